@@ -8,8 +8,7 @@ import typer
 from typer.main import get_command
 
 from kg.cli.app import app
-from kg.cli.manual import page
-from kg.cli.reference import pages
+from kg.cli.manual import page, pages
 from kg.settings import DECLARED
 
 if TYPE_CHECKING:

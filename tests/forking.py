@@ -39,13 +39,13 @@ ANSWER: Final = struct.Struct(">i")
 _MOST: Final = 1 << 20
 """Maximum size of an order in bytes."""
 _LATER: Final = (
-    "kg.cli.answers",
+    "kg.cli.commands.query",
     "kg.cli.app",
-    "kg.cli.build_view",
+    "kg.cli.commands.build",
     "kg.cli.links",
     "kg.lint.running",
     "kg.pipeline.build",
-    "kg.query.ask",
+    "kg.query.core",
     "kg.query.stored",
     "kg.rules.notations",
     "kg.store.embedded",
@@ -63,8 +63,8 @@ _BUILDERS: Final = (
 )
 """Modules imported lazily by these commands."""
 _ROBOTS: Final = (
-    "kg.cli.driving",
-    "kg.cli.program_view",
+    "kg.cli.commands.robot_driving",
+    "kg.cli.commands.robot_programs",
     "kg.robot.driving.doing",
     "kg.robot.driving.watchdog",
     "kg.robot.programs.runner",

@@ -60,7 +60,7 @@ MODULES: Final = {
     ),
     "wiring": Module(("kg/launch/wiring/*",), ("tests/launch",)),
     "query": Module(
-        ("kg/query/*.py", "kg/query/readers/messages.py", "kg/query/readers/slots.py"),
+        ("kg/query/*.py", "kg/query/readers/messages.py", "kg/query/readers/scheduler.py"),
         (
             *(f"tests/query/test_{name}.py" for name in _OF_QUERIES),
             *(f"tests/query/readers/test_{name}.py" for name in ("requests", "slots")),

@@ -37,7 +37,7 @@ FORMATS = {"rows": "json", "boolean": "json", "graph": "turtle"}
 ASK = "ASK { ?s ?p ?o }"
 ROWS = "SELECT ?s ?p ?o { GRAPH ?g { ?s ?p ?o } }"
 TRIPLES = "CONSTRUCT { ?s ?p ?o } { GRAPH ?g { ?s ?p ?o } }"
-NEW_PYTHON = [sys.executable, "-c", "import kg.query.readers.child"]
+NEW_PYTHON = [sys.executable, "-c", "import kg.query.readers.forkserver"]
 
 
 def main() -> None:

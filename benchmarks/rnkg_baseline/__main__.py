@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from extracting import Fact, facts
 
-from kg.evaluate.intervals import wilson
+from kg.evaluate.tables import wilson
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import bm25s
 
-from kg.evaluate.judged_needs import Ranked, ndcg, read_needs
-from kg.evaluate.retrieval import text_of_node
-from kg.search.lexicon import lexicon
+from kg.evaluate.retrieval import Ranked, ndcg, read_needs, text_of_node
 from kg.search.searching import Hit, Search
+from kg.search.words import lexicon
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.evaluate.judged_needs import Need
+    from kg.evaluate.retrieval import Need
 
 __all__ = ["judge"]
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterable, Iterator
+from typing import Any, Final
 
 from kg.views.wording import quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 FURTHER: Final = "`page` {}"
 """The next page of the answer of a tool."""

@@ -5,7 +5,14 @@ Every answer is text of one line for each fact, at most 3 KB a page, or 12 KB wi
 
 from __future__ import annotations
 
+import asyncio
 import json
+import os
+import signal
+import sys
+import tempfile
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 from urllib.parse import quote
 
@@ -14,14 +21,51 @@ from mcp.server.mcpserver.exceptions import ToolError
 from pydantic import BaseModel, Field
 
 from kg.assistants import lines
-from kg.assistants.commands import program_file, run_command
 from kg.errors import KgError
 from kg.query.readers.messages import Question
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Iterable
+    from collections.abc import Callable, Coroutine, Iterable, Iterator
 
     from kg.query.readers.pool import Readers
+
+
+_GRACE: Final = 5.0  # seconds that a command has to end by itself, so that a robot that it drives is stopped
+
+
+async def run_command(*arguments: str, seconds: float) -> tuple[int, str]:
+    """Run `kg` with these arguments; return the exit code, and what it wrote on both outputs.
+
+    After `seconds`, or when the call is cancelled, it is interrupted as by Ctrl-C; TimeoutError after `seconds`.
+    """
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "kg", *arguments),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.STDOUT,
+        env=os.environ | {"KG_COLOR": "never"},
+    )
+    try:
+        written, _ = await asyncio.wait_for(process.communicate(), seconds)
+    finally:
+        if process.returncode is None:
+            with suppress(ProcessLookupError):
+                process.send_signal(signal.SIGINT)
+                try:
+                    await asyncio.wait_for(process.communicate(), _GRACE)
+                except TimeoutError:
+                    process.kill()
+    return process.returncode or 0, written.decode(errors="replace")
+
+
+@contextmanager
+def program_file(text: str) -> Iterator[tuple[str, str]]:
+    """Yield a folder, with a slash at its end, and in it a file with the text of a program; both last as the block."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "program.kgp"
+        path.write_text(text, encoding="utf-8")
+        yield f"{folder}/", str(path)
+
 
 PAGE: Final = 2700
 """Bytes of an answer, or of a page of it: with what the protocol adds, 3 KB."""

@@ -6,17 +6,16 @@ import typer
 
 from kg.cli.diagnostics import MODE, Mode
 from kg.cli.group import KgGroup, Later, Panels
-from kg.cli.options import Store, from_setting
+from kg.cli.options import Session, Store, from_setting, option
 from kg.cli.output import json_lines, write
-from kg.cli.session import Session
 from kg.errors import Exit
 from kg.lazily import lazily
 
 with lazily():
     from importlib.metadata import version
 
-    from kg.cli.commands.config import show
-    from kg.cli.reference import description
+    from kg.cli.commands.doctor import show_settings
+    from kg.cli.manual import description
 
 EPILOGUE: Final = """
 Data goes to standard output, messages go to standard error. Exit codes:
@@ -41,28 +40,28 @@ COMMANDS: Final[Panels] = {
         "status": ("build:status", "List the sources in the store and what has changed since the build."),
     },
     "Ask": {
-        "nodes": ("nodes:nodes", "List all nodes with the number of their interfaces."),
+        "nodes": ("lists:nodes", "List all nodes with the number of their interfaces."),
         "node": ("node:node", "Show the interface of one node, with lines of code.", "NodeCommand"),
         "search": ("search:search", "Find nodes by what they do, with the reasons."),
         "compose": ("compose:compose", "Find chains of nodes that convert one message type into another."),
-        "instances": ("instances:instances", "List the nodes that launch files start, with their run-time names."),
+        "instances": ("graph:instances", "List the nodes that launch files start, with their run-time names."),
         "graph": ("graph:graph", "Show the nodes and connections that a launch file starts."),
         "diff": ("diff:diff", "Show changes in interfaces and wiring between two commits."),
-        "impact": ("impact:impact", "Show what breaks if a name is renamed, removed or changed."),
+        "impact": ("diff:impact", "Show what breaks if a name is renamed, removed or changed."),
         "query": ("query:query", "Run a SPARQL query or a stored query."),
         "why": ("why:why", "Prove a fact: show the rules that derive it, down to the source line."),
         "why-not": ("why:why_not", "Show why a fact is missing: what each rule that could derive it lacks."),
         "lint": ("lint:lint", "Report problems in the wiring of launch files."),
         "stats": ("stats:stats", "Count entities, triples, neighbours and paths of the graph."),
         "serve": ("serve:serve", "Serve the store as web pages and a SPARQL endpoint."),
-        "shell": ("shell:shell", "Explore the store in a full-screen terminal interface."),
-        "mcp": ("mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
+        "shell": ("serve:shell", "Explore the store in a full-screen terminal interface."),
+        "mcp": ("serve:mcp", "Serve coding assistants over the Model Context Protocol."),
         "packages": ("lists:packages", "List the packages with their nodes, interfaces and problems."),
         "files": ("lists:files", "List the files of packages, sorted into code and text."),
         "topic": ("channels:topic", "Show a topic's publishers and subscribers, by launch file and in code."),
         "service": ("channels:service", "Show a service's servers and clients; works like `kg topic`."),
         "action": ("channels:action", "Show an action's servers and clients; works like `kg topic`."),
-        "param": ("param:param", "Show the nodes that declare a parameter, and its value per launch file."),
+        "param": ("channels:param", "Show the nodes that declare a parameter, and its value per launch file."),
         "topics": ("lists:topics", "List the topics with their types and numbers of nodes."),
         "services": ("lists:services", "List the services with their types and numbers of nodes."),
         "actions": ("lists:actions", "List the actions with their types and numbers of nodes."),
@@ -73,12 +72,12 @@ COMMANDS: Final[Panels] = {
         "update": ("update:update", "Change the store with SPARQL Update."),
         "forget": ("exchange:forget", "Remove sources from the store."),
         "backup": ("update:backup", "Copy the store, even while it is being written."),
-        "publish": ("publishing:publish", "Write the graph for others, to a folder or a web server."),
-        "pull": ("publishing:pull", "Fetch a published graph and make a store of it."),
+        "publish": ("exchange:publish", "Write the graph for others, to a folder or a web server."),
+        "pull": ("exchange:pull", "Fetch a published graph and make a store of it."),
         "restore": ("update:restore", "Replace the contents of the store with a backup."),
-        "completions": ("completions:completions", "Print a shell completion script for commands, options and names."),
+        "completions": ("doctor:completions", "Print a shell completion script for commands, options and names."),
         "doctor": ("doctor:doctor", "Check the installation and the store."),
-        "explain": ("explain:explain", "Explain an error code and how to fix the error."),
+        "explain": ("doctor:explain", "Explain an error code and how to fix the error."),
     },
 }
 RULE_COMMANDS: Final[Panels] = {
@@ -86,23 +85,21 @@ RULE_COMMANDS: Final[Panels] = {
         "new": ("rules:new", "Create a rule that runs as it is, with examples that pass."),
         "list": ("rules:list_rules", "List the active rules: those of kg, of installed packs, and your own."),
         "show": ("rules:show_rule", "Show one rule: documentation, text, inputs, results and dependencies."),
-        "lsp": ("rules_lsp:lsp", "Serve editors: rules as you type them, and the findings of `kg lint`."),
+        "lsp": ("rules:lsp", "Serve editors: rules as you type them, and the findings of `kg lint`."),
     },
     "Try": {
         "check": ("rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
-        "test": ("rules_testing:try_rules", "Run the examples of rules and show what differs."),
-        "diff": ("rules_diff:diff", "Show what the rules on disk would add to and remove from the store."),
-        "watch": ("rules_testing:watch", "Check and test rules on every save, and show their effect on the store."),
+        "test": ("rules_check:try_rules", "Run the examples of rules and show what differs."),
+        "diff": ("rules:diff", "Show what the rules on disk would add to and remove from the store."),
+        "watch": ("rules_check:watch", "Check and test rules on every save, and show their effect on the store."),
     },
-    "Run": {
-        "run": ("rules_run:run", "Run the active rules and write what they infer into the store."),
-    },
+    "Run": {"run": ("rules_run:run", "Run the active rules and write what they infer into the store.")},
     "Inspect": {
-        "compile": ("rules_compile:compile_rule", "Print a rule as it is evaluated, or in another notation."),
-        "plan": ("rules_reports:plan", "Show which rules can run on each source alone, and why not."),
-        "graph": ("rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
-        "profile": ("rules_reports:profile", "Run the rules in memory and show their cost, most expensive first."),
-        "coverage": ("rules_reports:coverage", "Show the rules, and parts of rules, that never matched in this store."),
+        "compile": ("rules:compile_rule", "Print a rule as it is evaluated, or in another notation."),
+        "plan": ("rules_run:plan", "Show which rules can run on each source alone, and why not."),
+        "graph": ("rules_run:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
+        "profile": ("rules_run:profile", "Run the rules in memory and show their cost, most expensive first."),
+        "coverage": ("rules_run:coverage", "Show the rules, and parts of rules, that never matched in this store."),
     },
 }
 ROBOT_COMMANDS: Final[Panels] = {
@@ -113,7 +110,7 @@ ROBOT_COMMANDS: Final[Panels] = {
         ),
         "topics": ("robot_topics:topics", "List a robot's topics with types, publishers and subscribers."),
         "nodes": ("robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
-        "params": ("robot_params:params", "Show the parameters of running nodes, or set one."),
+        "params": ("robot_topics:params", "Show the parameters of running nodes, or set one."),
         "watch": ("robot:watch", "Mirror a running robot in the store, and report what changes."),
         "record": ("robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
     },
@@ -133,14 +130,14 @@ ROBOT_COMMANDS: Final[Panels] = {
         "simulate": (
             "robot_simulate:simulate",
             "Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.",
-        ),
+        )
     },
 }
 CORPUS_COMMANDS: Final[Panels] = {
     "Commands": {
         "select": ("corpus:select", "Select projects from a table by criteria, and compare with RNKG's."),
         "fetch": ("corpus:fetch", "Fetch repositories, each at one commit, and pin the commits in a lock file."),
-    },
+    }
 }
 EVALUATIONS: Final[Panels] = {
     "Commands": {
@@ -151,32 +148,27 @@ EVALUATIONS: Final[Panels] = {
         ),
         "sample": ("evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
         "search": ("evaluate:search", "Compare the search with other methods: NDCG@1 and NDCG@5."),
-        "exercises": (
-            "evaluate_exercises:exercises",
-            "Compare capability programs with equivalent code in four exercises.",
-        ),
+        "exercises": ("evaluate:exercises", "Compare capability programs with equivalent code in four exercises."),
         "study": (
-            "evaluate_exercises:study",
+            "evaluate:study",
             "Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.",
         ),
-    },
+    }
 }
 ONTOLOGY_COMMANDS: Final[Panels] = {
     "Commands": {
         "check": ("ontology:check", "Check ontologies with the reasoner HermiT (OWL 2 DL)."),
         "classify": ("ontology:classify", "Print what follows from ontologies by OWL 2 DL, as Turtle."),
         "validate": ("ontology:validate", "Validate the data of the store against SHACL shapes."),
-    },
+    }
 }
 EXTRACT_COMMANDS: Final[Panels] = {
     "Commands": {
-        "check": ("extract:check", "Check descriptions of framework calls: columns, types, arguments, matches."),
-    },
+        "check": ("extract:check", "Check descriptions of framework calls: columns, types, arguments, matches.")
+    }
 }
 CONFIG_COMMANDS: Final[Panels] = {
-    "Commands": {
-        "show": ("config:show", "Show all settings with their values and origins."),
-    },
+    "Commands": {"show": ("doctor:show_settings", "Show all settings with their values and origins.")}
 }
 
 
@@ -199,7 +191,6 @@ setting `robot`, or ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot si
 
 
 def _group(panels: Panels) -> type[KgGroup]:
-    """Return the class of a group with some commands."""
     later = [Later(panel, name, *rest) for panel, entries in panels.items() for name, rest in entries.items()]
     return type("Group", (KgGroup,), {"later": later})
 
@@ -227,9 +218,7 @@ def _speak_in(color: str | None) -> str | None:
 
 
 Color = Annotated[str | None, from_setting("color", callback=_speak_in, is_eager=True)]
-Version = Annotated[
-    bool, typer.Option("--version", "-V", callback=_print_version, is_eager=True, help="Print the version and exit.")
-]
+Version = Annotated[bool, option("--version -V", "Print the version and exit.", callback=_print_version, is_eager=True)]
 
 
 def _print_description(context: typer.Context, value: bool) -> None:  # noqa: FBT001 - the signature of typer's callbacks
@@ -238,12 +227,8 @@ def _print_description(context: typer.Context, value: bool) -> None:  # noqa: FB
         raise typer.Exit(Exit.OK)
 
 
-Spec = Annotated[
-    bool, typer.Option("--spec", callback=_print_description, is_eager=True, help="Describe all commands as JSON.")
-]
-Traceback = Annotated[
-    bool, typer.Option("--traceback", help="Show Python tracebacks of errors. [KG_DEBUG=1]", show_default=False)
-]
+Spec = Annotated[bool, option("--spec", "Describe all commands as JSON.", callback=_print_description, is_eager=True)]
+Traceback = Annotated[bool, option("--traceback", "Show Python tracebacks of errors. [KG_DEBUG=1]", show_default=False)]
 
 
 @app.callback(invoke_without_command=True)
@@ -285,4 +270,4 @@ app.add_typer(_settings, name="config", rich_help_panel="Maintain")
 def _config(context: typer.Context) -> None:
     """Show settings and their origins."""
     if context.invoked_subcommand is None:
-        show(context)
+        show_settings(context)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from kg.errors import CATALOGUE, KgError
@@ -9,7 +10,7 @@ from kg.lazily import lazily
 from kg.settings import load
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
     from kg.graph.reading.nodes import node_names
@@ -39,18 +40,23 @@ def codes(incomplete: str) -> list[tuple[str, str]]:
     return [(code, entry.title) for code, entry in CATALOGUE.items() if code.startswith(incomplete.upper())]
 
 
-@completing
-def nodes(_: str) -> Iterable[str]:
-    """Return the names of nodes."""
-    with reading(load()) as snapshot:
-        return node_names(snapshot)
+def _stored(names: Callable[[EmbeddedSnapshot], Iterable[str]]) -> Callable[[str], list[str]]:
+    """Return the completer for names that are read from the store."""
+
+    @completing
+    def complete(_: str) -> Iterable[str]:
+        with reading(load()) as snapshot:
+            return list(names(snapshot))
+
+    return complete
 
 
-@completing
-def packages(_: str) -> Iterable[str]:
-    """Return the names of packages."""
-    with reading(load()) as snapshot:
-        return package_names(snapshot)
+nodes = _stored(node_names)
+packages = _stored(package_names)
+launches = _stored(lambda snapshot: (one.name for one in system_names(snapshot)))
+parameters = _stored(
+    lambda snapshot: sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})
+)
 
 
 def features(kind: str) -> Callable[[str], list[str]]:
@@ -58,7 +64,7 @@ def features(kind: str) -> Callable[[str], list[str]]:
 
     @completing
     def complete(_: str) -> Iterable[str]:
-        from kg.search.filters import filter_values  # noqa: PLC0415 - start-up time
+        from kg.search.names import filter_values  # noqa: PLC0415 - start-up time
 
         whole = filter_values(kind, open_search(existing(load())).names)
         return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
@@ -76,13 +82,6 @@ def queries(_: str) -> Iterable[str]:
 def rules(_: str) -> Iterable[str]:
     """Return the names of rules."""
     return Library.of(load()).entries
-
-
-@completing
-def launches(_: str) -> Iterable[str]:
-    """Return the names of launch files."""
-    with reading(load()) as snapshot:
-        return [one.name for one in system_names(snapshot)]
 
 
 def channels(kind: str) -> Callable[[str], list[str]]:
@@ -105,10 +104,3 @@ def channels(kind: str) -> Callable[[str], list[str]]:
 def subjects(incomplete: str) -> list[str]:
     """Return the names of topics, services, actions and nodes."""
     return sorted({name for of in (*map(channels, ("topic", "service", "action")), nodes) for name in of(incomplete)})
-
-
-@completing
-def parameters(_: str) -> Iterable[str]:
-    """Return the names of parameters declared in code, or set in launch and parameter files."""
-    with reading(load()) as snapshot:
-        return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Final
 
-import typer
-
 from kg.cli.diagnostics import say
+from kg.cli.options import option
 from kg.cli.output import save, terminal, write_bytes
 from kg.errors import UsageError
 
@@ -23,12 +22,10 @@ _ENDINGS: Final = {
     ".txt": "text",
 }
 
-Svg = Annotated[bool, typer.Option("--svg", help="Draw it as SVG; on a terminal into a file named after it.")]
-Dot = Annotated[bool, typer.Option("--dot", help="Write it in the language of Graphviz.")]
-Mermaid = Annotated[bool, typer.Option("--mermaid", help="Write it as a flow chart of Mermaid.")]
-Output = Annotated[
-    str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE, in the form of its ending.")
-]
+Svg = Annotated[bool, option("--svg", "Draw it as SVG; on a terminal into a file named after it.")]
+Dot = Annotated[bool, option("--dot", "Write it in the language of Graphviz.")]
+Mermaid = Annotated[bool, option("--mermaid", "Write it as a flow chart of Mermaid.")]
+Output = Annotated[str | None, option("--output -o FILE", "Write to FILE, in the form of its ending.")]
 
 
 def form_of(flags: Mapping[str, bool], output: str | None) -> str:

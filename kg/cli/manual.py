@@ -1,4 +1,4 @@
-"""The content of `--help` and docs/cli.md for a command, extracted from its function.
+"""The content of `--help`, docs/cli.md and `kg --spec` for a command, extracted from its function.
 
 A command's docstring is its text: paragraphs are filled, indented blocks (examples) are kept.
 """
@@ -8,8 +8,12 @@ from __future__ import annotations
 import inspect
 import shutil
 import textwrap
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
+
+from kg.errors import Exit
+from kg.settings import DECLARED
 
 _WIDEST: Final = 100
 _INDENT: Final = "  "
@@ -103,3 +107,49 @@ def _row(entry: Entry, longest: int, columns: int) -> str:
         lead = f"{_INDENT}{entry.name}\n{indent}"
     first, *following = textwrap.wrap(entry.sentence, columns - len(indent), break_on_hyphens=False) or [""]
     return (lead + first).rstrip() + "".join(f"\n{indent}{line}" for line in following)
+
+
+def description(context: Any) -> dict[str, Any]:
+    """Return all commands with their arguments and options, the settings and the exit codes, for JSON.
+
+    `context` is that of the whole program.
+    """
+    manuals = [page(context.command, context), *pages(context.command, context)]
+    return {
+        "commands": [
+            {
+                "command": manual.path,
+                "usage": manual.usage,
+                "text": manual.text,
+                **{
+                    title.lower(): [{"name": entry.name, "about": entry.sentence} for entry in entries]
+                    for title, entries in manual.sections
+                    if title in {"Arguments", "Options"}
+                },
+            }
+            for manual in manuals
+        ],
+        "settings": [
+            {
+                "setting": one.name,
+                "flag": one.flag,
+                "variable": one.variable,
+                "value": one.metavar,
+                "default": one.default if isinstance(one.default, int | float | str) else None,
+                "about": one.sentence,
+            }
+            for one in DECLARED.values()
+        ],
+        "exit_codes": {code.name.lower(): int(code) for code in Exit},
+    }
+
+
+def pages(group: Any, context: Any) -> Iterator[Page]:
+    """Yield the manual of each command of a group, in its context, and of its subgroups."""
+    for name, command in group.commands.items():
+        if command.hidden:
+            continue
+        inner = type(context)(command, info_name=name, parent=context)
+        yield page(command, inner)
+        if getattr(command, "commands", None):
+            yield from pages(command, inner)

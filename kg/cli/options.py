@@ -1,21 +1,84 @@
-"""The options that come from settings, and those that several commands share."""
+"""Options that come from settings, and those that several commands share, with the forms of their values."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import Annotated, Any, Final, TypeVar
 
 import typer
 
 from kg.cli.completion import launches, packages, rules
-from kg.cli.session import session
 from kg.codes import SEVERITIES
 from kg.errors import UsageError
-from kg.settings import DECLARED, Declaration, Settings
+from kg.settings import DECLARED, Declaration, Settings, load
 from kg.similar import did_you_mean
+from kg.store.failure import remote_refusal
+
+REMOTE: Final = frozenset(
+    {
+        "action",
+        "actions",
+        "build",
+        "compose",
+        "config",
+        "export",
+        "graph",
+        "impact",
+        "import",
+        "instances",
+        "lint",
+        "mcp",
+        "node",
+        "nodes",
+        "packages",
+        "param",
+        "publish",
+        "query",
+        "search",
+        "serve",
+        "shell",
+        "stats",
+        "service",
+        "services",
+        "show",
+        "topic",
+        "topics",
+        "why",
+        "why-not",
+    }
+)
+"""Commands that give the same results over a SPARQL server as over an embedded store with the same graph."""
+
+
+@dataclass(slots=True)
+class Session:
+    """One run of `kg`: the settings given before the command, and its name, empty until it is known."""
+
+    flags: dict[str, object] = field(default_factory=dict)
+    command: str = ""
+
+    def settings(self, **flags: object) -> Settings:
+        """Return the settings in force; `flags` are the command's own and override those before the command.
+
+        Raises:
+            UsageError: KG002 an invalid value.
+            StoreError: KG309 a SPARQL server, but the command needs an embedded store.
+        """
+        given = {name: value for name, value in flags.items() if value is not None}
+        settings = load({**self.flags, **given})
+        if isinstance(settings.store, str) and self.command and self.command not in REMOTE:
+            raise remote_refusal(settings.store)
+        return settings
+
+
+def session(context: Any) -> Session:
+    """Return the session of a typer context."""
+    stored = context.find_object(Session)
+    return Session(stored.flags if isinstance(stored, Session) else {}, context.info_name or "")
+
 
 _Command = TypeVar("_Command", bound=Callable[..., None])
 
@@ -113,56 +176,101 @@ def _option(declaration: Declaration, **more: Any) -> Any:
     )
 
 
+def option(spec: str, sentence: str, **more: Any) -> Any:
+    """Return an option of a command from its names and what its value is called, `--limit -n N`; a switch has none."""
+    names = [word for word in spec.split() if word.startswith("-")]
+    value = " ".join(word for word in spec.split() if not word.startswith("-"))
+    return typer.Option(*names, metavar=value or None, help=sentence, **more)
+
+
+def argument(value: str, sentence: str, **more: Any) -> Any:
+    """Return an argument of a command from what its value is called."""
+    return typer.Argument(metavar=value, help=sentence, **more)
+
+
 Store = Annotated[str | None, from_setting("store")]
-Via = Annotated[
-    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
-]
-OutputFile = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
+Via = Annotated[bool, option("--via", "Show the calls in wrappers and base classes, from the line to the framework.")]
+OutputFile = Annotated[str | None, option("--output -o FILE", "Write to FILE.")]
 Exclusive = Annotated[
-    bool, typer.Option("--exclusive", help="Refuse to move what another node also moves, and stop if one appears.")
+    bool, option("--exclusive", "Refuse to move what another node also moves, and stop if one appears.")
 ]
-All = Annotated[
-    bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
-]
-Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
-Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object per line.")]
-NoRules = Annotated[bool, typer.Option("--no-rules", help="Do not run rules; the next build updates inferred triples.")]
-RuleName = Annotated[
-    str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rules)
-]
+All = Annotated[bool, option("--all -a", "Include what frameworks create implicitly (/rosout, /tf, ...).")]
+Markdown = Annotated[bool, option("--markdown", "Write Markdown for a pull request.")]
+Json = Annotated[bool, option("--json", "Write JSON Lines: one object per line.")]
+NoRules = Annotated[bool, option("--no-rules", "Do not run rules; the next build updates inferred triples.")]
+RuleName = Annotated[str, argument("RULE", "FAMILY/NAME, NAME alone, or a file.", autocompletion=rules)]
 PackageName = Annotated[
-    str | None,
-    typer.Option(
-        "--package",
-        "-p",
-        metavar="NAME",
-        help="Only this package (`name` or `repository:name`).",
-        autocompletion=packages,
-    ),
+    str | None, option("--package -p NAME", "Only this package (`name` or `repository:name`).", autocompletion=packages)
 ]
 System = Annotated[
     str | None,
-    typer.Option(
-        "--system",
-        metavar="LAUNCH",
-        help="Only what these launch files start: a path, `package/launch/x.launch`, or a suffix of either.",
+    option(
+        "--system LAUNCH",
+        "Only what these launch files start: a path, `package/launch/x.launch`, or a suffix of either.",
         autocompletion=launches,
     ),
 ]
-UpdateUrl = Annotated[
-    str | None, typer.Option("--update-url", metavar="URL", help="Address for updates of the server, if different.")
-]
+UpdateUrl = Annotated[str | None, option("--update-url URL", "Address for updates of the server, if different.")]
 
 
 _FORMATS: Final = ("text", "json", "sarif", "github")
 
-Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
-Level = Annotated[
-    str, typer.Option("--level", metavar="SEVERITY", help="Lowest severity to show: error, warning or note.")
-]
+Form = Annotated[str, option("--format -f FORMAT", f"One of {', '.join(_FORMATS)}.")]
+Level = Annotated[str, option("--level SEVERITY", "Lowest severity to show: error, warning or note.")]
 
 
 def require_valid(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
     """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
     require_one_of(form, _FORMATS, "format", (hints or {}).get(form, ""))
     require_one_of(level, SEVERITIES, "severity")
+
+
+def whole(text: str, option: str, least: int, most: int | None = None) -> int:
+    """Return the integer of `option`; UsageError KG003 if it is invalid or out of bounds."""
+    bounds = f"at least {least}" if most is None else f"from {least} to {most}"
+    try:
+        number = int(text)
+    except ValueError:
+        number = least - 1
+    if number < least or (most is not None and number > most):
+        raise UsageError(
+            "KG003", f"`{option} {text}` is not a whole number {bounds}", hint="See the command's `--help`."
+        )
+    return number
+
+
+def seconds(text: str, option: str) -> float:
+    """Return the seconds of `option`; UsageError KG003 below 1 ms, or if it is invalid."""
+    return _positive(text, option, "number of seconds", "Write 30 or 0.5.", 0.001)  # no timer is finer
+
+
+def frequency(text: str, option: str) -> float:
+    """Return the frequency of `option` in Hz; UsageError KG003 unless it is a positive number."""
+    return _positive(text, option, "rate", "Write 10 or 0.5: so many times a second.")
+
+
+def factor(text: str, option: str) -> float:
+    """Return the factor of `option`; UsageError KG003 unless it is a positive number."""
+    return _positive(text, option, "factor", "Write 2 or 0.5: so many times as much.")
+
+
+def _positive(text: str, option: str, what: str, hint: str, least: float = 0.0) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0.0
+    if number == 0 or not least <= number < float("inf"):
+        raise UsageError("KG003", f"`{option} {text}` is not a {what}", hint=hint)
+    return number
+
+
+_UNITS: Final = {"k": 10, "m": 20, "g": 30}
+
+
+def size(text: str, option: str) -> int:
+    """Return the number of bytes of `option` (`800`, `500K`, `4M`, `1G`); UsageError KG003 if it is invalid."""
+    unit = _UNITS.get(text[-1:].lower())
+    digits = text[:-1] if unit else text
+    if not digits.isdecimal() or not int(digits):
+        raise UsageError("KG003", f"`{option} {text}` is not a size", hint="Write bytes, or 500K, 4M, 1G.")
+    return int(digits) << (unit or 0)

@@ -18,10 +18,9 @@ from kg.render.text import json_text, printable, width
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
-    from rich.console import RenderableType
 
 with lazily():
-    from rich.console import Console
+    from rich.console import Console, RenderableType
     from rich.table import Table
     from rich.text import Text
 
@@ -40,6 +39,11 @@ class Column:
     title: str
     kind: str = "text"
     spare: int = 0
+
+
+def numbers(*titles: str) -> list[Column]:
+    """Return columns of numbers."""
+    return [Column(title, "number") for title in titles]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,10 +132,7 @@ def console() -> Console:
 
 
 def listing(
-    columns: Sequence[Column],
-    rows: Iterable[Sequence[object]],
-    *,
-    objects: Iterable[Any] | None = None,
+    columns: Sequence[Column], rows: Iterable[Sequence[object]], *, objects: Iterable[Any] | None = None
 ) -> None:
     """Write a list: as JSON Lines if `objects` are given, as a table on a terminal, else as TSV with a header."""
     if objects is not None:
@@ -171,13 +172,7 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]]) -> T
 
     cells = [[_cell(value) for value in row] for row in rows]
     visible = _fitting(columns, cells)
-    table = Table(
-        box=SIMPLE_HEAD,
-        pad_edge=False,
-        collapse_padding=True,
-        show_edge=False,
-        header_style="bold",
-    )
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True, show_edge=False, header_style="bold")
     styles = {"name": "bold", "dim": "dim"}
     for index in visible:
         column = columns[index]

@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from kg.cli.completion import launches
 from kg.cli.diagnostics import note, report
+from kg.cli.options import argument, option
 from kg.errors import KgError, Place, UsageError
 from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.facts import System
     from kg.settings import Settings
 
 with lazily():
-    from kg.cli.build_view import near
-    from kg.facts import LaunchProblemKind
+    from kg.cli.commands.build import near
+    from kg.facts import LaunchProblemKind, System
     from kg.pipeline.launch_names import assignments, check_given
     from kg.pipeline.launching import chosen, unread
     from kg.pipeline.variants import united, variants
@@ -29,38 +27,29 @@ with lazily():
 
 Launch = Annotated[
     str | None,
-    typer.Option(
-        "--launch",
-        "-l",
-        metavar="FILE",
-        help="A launch file: its path, or `package/launch/x.launch`, or any end of these.",
+    option(
+        "--launch -l FILE",
+        "A launch file: its path, or `package/launch/x.launch`, or any end of these.",
         autocompletion=launches,
     ),
 ]
 File = Annotated[
     list[str] | None,
-    typer.Argument(
-        metavar="FILE",
-        help="A launch file: `FILE` or `PACKAGE FILE`, then `NAME:=VALUE` for its arguments; as --launch and --arg.",
+    argument(
+        "FILE",
+        "A launch file: `FILE` or `PACKAGE FILE`, then `NAME:=VALUE` for its arguments; as --launch and --arg.",
         autocompletion=launches,
     ),
 ]
 Arguments = Annotated[
-    list[str] | None,
-    typer.Option("--arg", metavar="NAME:=VALUE", help="Evaluate the launch file with this argument; may be repeated."),
+    list[str] | None, option("--arg NAME:=VALUE", "Evaluate the launch file with this argument; may be repeated.")
 ]
 Variants = Annotated[
     bool,
-    typer.Option(
-        "--variants",
-        help="Also each boolean argument the other way, and branches that environment variables turn on.",
-    ),
+    option("--variants", "Also each boolean argument the other way, and branches that environment variables turn on."),
 ]
 Environment = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--env", metavar="NAME=VALUE", help="The same with an environment variable; the real ones are not read."
-    ),
+    list[str] | None, option("--env NAME=VALUE", "The same with an environment variable; the real ones are not read.")
 ]
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.editors.rules import Knowledge
@@ -24,9 +24,6 @@ from kg.rules.reading import packs
 from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
 
 class Source:
     """The store and the rules in force in the working folder.
@@ -42,8 +39,7 @@ class Source:
     def enter(self, folder: Path) -> None:
         """Work in another folder.
 
-        Raises:
-            UsageError: KG002 for settings there that cannot be used; the settings before stay in force.
+        Raises UsageError: KG002 for settings there that cannot be used; the settings before stay in force.
         """
         os.chdir(folder)
         self._settings = self._load()
@@ -51,8 +47,7 @@ class Source:
     def knowledge(self) -> Knowledge:
         """Read rules, ontologies and the store's vocabulary; a store is not needed.
 
-        Raises:
-            UsageError: KG002 for a folder of the settings that does not exist.
+        Raises UsageError: KG002 for a folder of the settings that does not exist.
         """
         settings = self._settings
         folders = rule_folders(settings)
@@ -84,8 +79,7 @@ class Source:
     def build(self, path: Path) -> list[str] | None:
         """Return the command that reads the source of a file again; None if no source in the store has the file.
 
-        Raises:
-            StoreError: KG301 without a store.
+        Raises StoreError: KG301 without a store.
         """
         with reading(self._settings) as snapshot:
             roots = [Path(one.root).resolve() for one in sources(snapshot) if one.root]

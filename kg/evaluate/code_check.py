@@ -21,10 +21,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
-from kg.evaluate.facts import STATED, Fact, Facts
-from kg.evaluate.intervals import shares_of, weighed
-from kg.evaluate.sheet import drawn
-from kg.evaluate.tables import Cell, Share, Table, with_paper
+from kg.evaluate.sheet import STATED, Fact, Facts, drawn
+from kg.evaluate.tables import Cell, Share, Table, shares_of, weighed, with_paper
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -33,7 +31,7 @@ from kg.query.rows import rows
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.sheet import SourceLines
     from kg.store.interface import Snapshot
 
 _CALLS: Final = "calls that the graph has"

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Final
 
-from kg.evaluate.gathering import Choice, Gathered, gather
-from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
-from kg.evaluate.references import PARAMETERS
-from kg.evaluate.tables import Cell, Share, Table, with_paper
+from kg.evaluate.references import PARAMETERS, Choice, Gathered, gather
+from kg.evaluate.tables import Cell, Share, Table, wilson, with_paper
 from kg.facts import Role
 from kg.render.text import count
 
@@ -17,21 +15,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import Ground
+    from kg.evaluate.references import Choice
     from kg.store.interface import Snapshot
 
 _QUERY: Final = "completeness/reference-entities"
-_ENTITIES: Final = (
-    "node",
-    "topic",
-    "service",
-    "action",
-    "parameter",
-    "message type",
-    "service type",
-    "action type",
-)
+_ENTITIES: Final = ("node", "topic", "service", "action", "parameter", "message type", "service type", "action type")
 _ALL: Final = "all"
 
 

@@ -1,4 +1,4 @@
-"""Linking of references with the graph, in one store for the stored queries that count.
+"""Linking of references with the graph, in one store for the stored queries that count, and keeping them in the store.
 
 A reference is linked to the nodes it describes, and its entries to ends or parameters: of the same role in the same
 package, with the same name (as written, except for a leading `~` or `/`; `*` matches one unknown part). A topic of a
@@ -16,17 +16,22 @@ from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store
 
 from kg.evaluate.references import PARAMETERS, Entry, Reference, owner_and_name, plain_name, short_name
 from kg.graph import vocabulary as v
+from kg.graph.iris import Iris
 from kg.graph.ntriples import Writer, integer
+from kg.pipeline.inferring import Inference
 from kg.query import stored
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.rows import rows
+from kg.store.opening import writable
 from kg.store.snapshot import MemorySnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from kg.settings import Settings
     from kg.store.interface import Snapshot
+
 
 _ACTION_TOPIC: Final = re.compile(r"(.+)/(goal|cancel|status|feedback|result)")
 _HEARD: Final = frozenset({"goal", "cancel"})
@@ -215,3 +220,37 @@ def _named(name: str, parts_by_name: dict[str, list[str]]) -> Iterator[str]:
 
 def _value(term: object) -> str:
     return str(getattr(term, "value", ""))
+
+
+_GRAPH_NAME: Final = "reference"
+
+
+def keep(settings: Settings, triples: bytes) -> None:
+    """Replace the references in the current store.
+
+    Raises StoreError: KG301 no store, KG302 another process is writing, KG304 the disk is full.
+    """
+    graph = NamedNode(Iris(settings.base).graph(_GRAPH_NAME))
+    with writable(settings, create=False) as target:
+        inference = Inference(target, settings)
+        with target.write("kg eval") as transaction:
+            transaction.replace_graphs({graph: [triples]})
+            inference.run(transaction)
+            inference.remember(transaction.commit())
+
+
+def forget(settings: Settings) -> bool:
+    """Remove the references from the current store; return whether there were any.
+
+    Raises StoreError: KG301 no store, KG302 another process is writing.
+    """
+    graph = NamedNode(Iris(settings.base).graph(_GRAPH_NAME))
+    with writable(settings, create=False) as target:
+        inference = Inference(target, settings)
+        with target.write("kg eval") as transaction:
+            exists = graph in transaction.graphs()
+            if exists:
+                transaction.drop_graph(graph)
+                inference.run(transaction)
+                inference.remember(transaction.commit())
+    return exists

@@ -11,6 +11,8 @@ isomorphism of whole graphs.
 
 from __future__ import annotations
 
+import math
+import os
 import random
 import re
 from collections import Counter
@@ -18,22 +20,183 @@ from importlib import import_module
 from statistics import fmean
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+import msgspec
 import numpy as np
 
-from kg.errors import UsageError
-from kg.evaluate.encoding import FolderModel
-from kg.evaluate.intervals import bootstrap, bounds
-from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
-from kg.evaluate.tables import Cell, Score, Table, with_paper
+from kg.errors import Place, UsageError
+from kg.evaluate.references import owner_and_name, short_name
+from kg.evaluate.tables import Cell, Score, Table, bootstrap, bounds, with_paper
 from kg.render.text import count
 from kg.search.searching import Hit, Search
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from pathlib import Path
 
     from kg.search.documents import Document, PackageDocument
-    from kg.search.index import Index
+    from kg.search.index import Floats, Index
+
+
+_MARKS: Final = ("modules.json", "config.json")
+"""Marker files of a model folder: of sentence-transformers, or of a bare transformer."""
+_SWITCHES: Final = {
+    "HF_HUB_OFFLINE": "1",
+    "TRANSFORMERS_OFFLINE": "1",
+    "HF_HUB_DISABLE_PROGRESS_BARS": "1",
+    "TOKENIZERS_PARALLELISM": "false",
+    "TRANSFORMERS_VERBOSITY": "error",
+}
+_BATCH: Final = 32
+_LONGEST_CAUSE: Final = 200
+
+
+class FolderModel:
+    """A model in a folder.
+
+    Raises UsageError: KG704 the folder is missing, or has no model.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        if not folder.is_dir():
+            hint = "Name a folder that holds a model; kg downloads none."
+            raise UsageError("KG704", f"no model at {folder}: not a folder", hint=hint)
+        if not any((folder / name).is_file() for name in _MARKS):
+            hint = f"A folder saved by sentence-transformers holds {_MARKS[0]}, one of transformers {_MARKS[1]}."
+            raise UsageError("KG704", f"the folder {folder} holds no model", hint=hint)
+        self._folder = folder
+        self._model: Any = None
+
+    def encode(self, texts: Sequence[str]) -> Floats:
+        """Return a vector of length 1 for each text.
+
+        Raises UsageError: KG704 the library is not installed, or cannot load or run the model.
+        """
+        try:
+            if self._model is None:
+                self._model = _loaded(self._folder)
+            encoded = self._model.encode(
+                list(texts), batch_size=_BATCH, normalize_embeddings=True, show_progress_bar=False
+            )
+        except UsageError:
+            raise
+        except Exception as problem:  # the library does not declare its exceptions for damaged files
+            cause = f"{type(problem).__name__}: {' '.join(str(problem).split())[:_LONGEST_CAUSE]}"
+            raise self._broken(cause) from problem
+        vectors = np.asarray(encoded, np.float32)
+        if vectors.shape[:1] != (len(texts),) or not np.isfinite(vectors).all():
+            raise self._broken("it returned no vectors, or vectors with invalid numbers")
+        return vectors
+
+    def _broken(self, cause: str) -> UsageError:
+        hint = "Copy or download the folder of the model again, or leave the model out."
+        return UsageError("KG704", f"the model in {self._folder} cannot be used: {cause}", hint=hint)
+
+
+def _loaded(folder: Path) -> Any:
+    # The libraries read these variables once, on import.
+    os.environ.update(_SWITCHES)
+    try:
+        library = import_module("sentence_transformers")
+    except ImportError:
+        message = "sentence embeddings need sentence-transformers, which is not installed"
+        raise UsageError("KG704", message, hint="pip install 'kg-ros[semantic]'") from None
+    return library.SentenceTransformer(str(folder), local_files_only=True)
+
+
+_HIGHEST: Final = 30
+"""Maximum grade: higher gains exceed the range of floats."""
+
+
+class Constraints(msgspec.Struct, frozen=True):
+    """Required types of a node's interface, each `package/Type`."""
+
+    subscribes: tuple[str, ...] = ()
+    publishes: tuple[str, ...] = ()
+    provides: tuple[str, ...] = ()
+    calls: tuple[str, ...] = ()
+
+
+class Judged(msgspec.Struct, frozen=True):
+    """A node, and how well it meets a need: 3 is best, 0 not at all."""
+
+    repo: str
+    package: str
+    node: str
+    grade: int
+    aliases: tuple[str, ...] | None = None
+
+
+class Need(msgspec.Struct, frozen=True):
+    """A query of a developer with its judgements."""
+
+    id: str
+    query: str
+    relevant: tuple[Judged, ...]
+    constraints: Constraints | None = None
+
+
+class Ranked(msgspec.Struct, frozen=True):
+    """A result of a search."""
+
+    repository: str
+    package: str
+    node: str
+
+
+def read_needs(path: Path) -> tuple[Need, ...]:
+    """Return the needs in a file.
+
+    Raises UsageError: KG725 the file is unreadable, empty, or has an invalid line.
+    """
+    try:
+        lines = path.read_bytes().split(b"\n")
+    except OSError as error:
+        raise UsageError("KG725", f"the needs cannot be read: {error.strerror}", place=Place(str(path))) from None
+    needs, decoder = [], msgspec.json.Decoder(Need)
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            need = decoder.decode(line)
+        except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+            place = Place(str(path), number)
+            raise UsageError("KG725", f"invalid need: {error}", place=place) from None
+        if any(not 0 <= one.grade <= _HIGHEST for one in need.relevant):
+            raise UsageError("KG725", f"a grade is not from 0 to {_HIGHEST}", place=Place(str(path), number))
+        needs.append(need)
+    if not needs:
+        raise UsageError("KG725", "the file has no need", place=Place(str(path)))
+    return tuple(needs)
+
+
+def ndcg(need: Need, ranked: Sequence[Ranked], depth: int) -> float:
+    """Return the normalised discounted cumulative gain of the first `depth` nodes, the gain of a grade 2^grade - 1.
+
+    A node matches a judgement of its repository and package by its name or an alias. A judged node counts once, one
+    that nobody judged has grade 0 (Järvelin and Kekäläinen 2002; gains of Burges et al. 2005).
+    """
+    best = _gain(sorted((one.grade for one in need.relevant), reverse=True)[:depth])
+    return _gain(list(_grades(need, ranked[:depth]))) / best if best else 0.0
+
+
+def _gain(grades: Sequence[int]) -> float:
+    return math.fsum((2.0**grade - 1) / math.log2(place + 2) for place, grade in enumerate(grades))
+
+
+def _grades(need: Need, ranked: Sequence[Ranked]) -> Iterator[int]:
+    left = list(need.relevant)
+    for one in ranked:
+        hit = next((each for each in left if _same(each, one)), None)
+        if hit is not None:
+            left.remove(hit)
+        yield hit.grade if hit is not None else 0
+
+
+def _same(judged: Judged, ranked: Ranked) -> bool:
+    names = {short_name(judged.node), *map(short_name, judged.aliases or ())}
+    same_package = judged.package == ranked.package and owner_and_name(judged.repo) == owner_and_name(ranked.repository)
+    return same_package and short_name(ranked.node) in names
+
 
 _DEPTHS: Final = (1, 5)
 _OURS: Final = "kg search"
@@ -150,7 +313,7 @@ def _subgraphs(index: Index) -> Ranker:
 
 
 def embeddings(index: Index, model: Path) -> Ranker:
-    """Rank by the cosine of sentence embeddings by a model in a folder (`kg.evaluate.encoding`)."""
+    """Rank by the cosine of sentence embeddings by a model in a folder (`kg.evaluate.retrieval`)."""
     encode = FolderModel(model).encode
     vectors = encode(_texts(index))
     return lambda need: [float(one) for one in vectors @ encode([need.query])[0]]

@@ -12,22 +12,10 @@ from typing import TYPE_CHECKING, Final
 from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
-from kg.impact.model import (
-    Area,
-    DefinitionRecord,
-    Effect,
-    Grade,
-    Graded,
-    Kind,
-    Subject,
-    World,
-    launch_effect,
-    merged,
-)
+from kg.impact.model import Area, DefinitionRecord, Effect, Grade, Graded, Kind, Subject, World, launch_effect, merged
 from kg.impact.nodes import node_records_of
 from kg.impact.parameters import same_parameter
-from kg.impact.started import End, end_effect, ends_of, partners
-from kg.impact.values import area_of
+from kg.impact.started import End, area_of, end_effect, ends_of, partners
 from kg.launch.comparison import Change, Difference, Level
 from kg.launch.comparison import Kind as Became
 from kg.launch.comparison.wording import change_words, sign

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
 from kg.holes import is_known
 from kg.impact.model import Area, Effect, Grade, Subject, World, code_effect, launch_effect
-from kg.impact.started import end_effect, ends_of, partners
-from kg.impact.values import area_of, elements
+from kg.impact.started import area_of, elements, end_effect, ends_of, partners
 from kg.render.text import count
 
 if TYPE_CHECKING:

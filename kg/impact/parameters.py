@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Switch
 from kg.impact.model import Effect, Grade, Subject, World, code_effect, launch_effect
-from kg.impact.started import end_effect, ends_of, partners
-from kg.impact.values import area_of
+from kg.impact.started import area_of, end_effect, ends_of, partners
 from kg.names import normalise
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Interface, Location
+from kg.impact.files import mentions
 from kg.impact.model import Area, DefinitionRecord, Effect, FileRecord, Grade, Kind, Subject, World
-from kg.impact.texts import mentions
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -125,7 +125,6 @@ def _endpoint(
 
 
 def _dependents(name: str, world: World, using: set[tuple[str, str]]) -> Iterator[Effect]:
-    """Yield the packages that depend on the package of a type."""
     owner = name.partition("/")[0]
     for package in world.dependents(owner):
         lines = [one.line for one in package.dependencies]

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
     """Return the query `text` with `values` (name of variable to term) in their VALUES blocks.
 
-    Raises:
-        QueryError: KG505 for a name that is not a variable of the query.
+    Raises QueryError: KG505 for a name that is not a variable of the query.
     """
     if not values:
         return text

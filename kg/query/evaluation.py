@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, cast
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 
 import pyoxigraph
 from pyoxigraph import Literal, NamedNode, Triple
@@ -18,10 +19,11 @@ from kg.syntax.lexer import Kind, normalise, tokens
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kg.query.result import Row
     from kg.store.interface import Snapshot
+
 
 _FRESH: Final = re.compile("now|rand|uuid|bnode")
 """Functions whose value differs at each call or each query; STRUUID contains one of these."""
@@ -105,8 +107,7 @@ class Prepared:
 def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:
     """Check the SPARQL query `text` and bind its parameters (see `kg.query.binding`).
 
-    Raises:
-        QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
+    Raises QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
     """
     text = normalise(text)
     lexed = list(tokens(text))
@@ -165,3 +166,39 @@ def _guarded(answer: Iterable[Any]) -> Iterator[Any]:
 def _failure(error: RuntimeError | OSError | ValueError) -> KgError:
     """Return the error of the engine as one of the store or of the query."""
     return store_error(error, "the store") if is_of_store(error) else QueryError("KG506", str(error))
+
+
+Item = TypeVar("Item")
+
+
+class Window(Generic[Item]):
+    """The items after the first `offset`, at most `most`; can be iterated once.
+
+    `count` is the number of items yielded so far. At the end, `more` is whether there were more than `most`. `tick` is
+    called before each item is yielded, and may raise to stop.
+    """
+
+    def __init__(
+        self,
+        rows: Iterable[Item],
+        *,
+        offset: int = 0,
+        most: int | None = None,
+        tick: Callable[[int], object] = lambda _: None,
+    ) -> None:
+        self._rows = rows
+        self._offset = offset
+        self._most = most
+        self._tick = tick
+        self.count = 0
+        self.more = False
+
+    def __iter__(self) -> Iterator[Item]:
+        """Yield the items; reads one more than `most` to detect whether there are more."""
+        for item in islice(self._rows, self._offset, None):
+            if self.count == self._most:
+                self.more = True
+                return
+            self.count += 1
+            self._tick(self.count)
+            yield item

@@ -13,7 +13,6 @@ from kg.errors import QueryError
 from kg.query.result import Boolean, Graph, Result, Row
 from kg.query.writing import parquet
 from kg.query.writing.rows import BOOLEANS, ROWS
-from kg.query.writing.values import display, plain
 from kg.store.serialization import FORMATS, write_serialized
 from kg.syntax.names import PREFIXES
 
@@ -22,20 +21,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-
-__all__ = [
-    "ALIASES",
-    "BOOLEAN_FORMATS",
-    "GRAPH_FORMATS",
-    "SOLUTION_FORMATS",
-    "display",
-    "plain",
-    "unfit",
-    "write",
-    "write_boolean",
-    "write_graph",
-    "write_rows",
-]
 
 SOLUTION_FORMATS: Final = ROWS
 """Formats of rows."""
@@ -80,8 +65,7 @@ _AT_A_TIME: Final = 64
 def write(result: Result, name: str) -> bytes:
     """Return `result` in the format `name`.
 
-    Raises:
-        QueryError: KG504 with the formats of this kind of result.
+    Raises QueryError: KG504 with the formats of this kind of result.
     """
     parts: list[bytes] = []
     if isinstance(result, Graph):
@@ -96,8 +80,8 @@ def write(result: Result, name: str) -> bytes:
 def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], output: Callable[[bytes], object]) -> None:
     """Write rows to `output` in the format `name`, in batches as they arrive; Parquet is written at the end.
 
-    Raises:
-        QueryError: KG504 if the format is not one of rows, cannot represent one of them, or is Parquet without pyarrow.
+    Raises QueryError: KG504 if the format is not one of rows, cannot represent one of them, or is Parquet without
+    pyarrow.
     """
     if name == parquet.NAME:
         output(parquet.written(variables, rows))
@@ -117,8 +101,7 @@ def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], outpu
 def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], object]) -> None:
     """Write triples to `output` in the format `name`, in parts of some kilobytes as they arrive.
 
-    Raises:
-        QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
+    Raises QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
     """
     if name not in GRAPH_FORMATS:
         raise unfit("graph", name)

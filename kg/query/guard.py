@@ -6,15 +6,12 @@ process. `SERVICE` and `LOAD` make it call other servers, without permission or 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable
+from typing import Final
 
 from kg.errors import QueryError
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.position import place_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 MAX_DEPTH: Final = 500
 """Maximum nesting of brackets and unary operators."""
@@ -36,8 +33,7 @@ _INSTEAD: Final = {
 def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
     """Reject a query that nests too deeply, chains too much or would call another server.
 
-    Raises:
-        QueryError: KG502 for a call, KG516 for depth or length, at the place of the first cause.
+    Raises QueryError: KG502 for a call, KG516 for depth or length, at the place of the first cause.
     """
     depth = unary = chain = 0
     previous: Token | None = None

@@ -220,8 +220,7 @@ def terms(
     A name resolves to things with that name, and to things whose IRI ends in it if they match the pattern `among` (of
     `?t`). With a pattern, or with None for exact names only, the result may be empty.
 
-    Raises:
-        UnknownNameError: KG001 with suggestions if nothing is found.
+    Raises UnknownNameError: KG001 with suggestions if nothing is found.
     """
     if property_ and word == "a":
         return [RDF_TYPE]

@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future, wait
-from typing import TYPE_CHECKING, Final, Protocol, TypeVar
+from typing import Final, Protocol, TypeVar
 
 from kg.errors import Exit, QueryError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 Answer = TypeVar("Answer")
 
@@ -44,8 +42,7 @@ class Runner(Protocol):
 def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     """Run `work` in a thread, so deadlines and Ctrl-C take effect at once.
 
-    Raises:
-        DeadlineError: KG503; the thread runs on until the process exits.
+    Raises DeadlineError: KG503; the thread runs on until the process exits.
     """
     answer: Future[Answer] = Future()
 

@@ -7,12 +7,10 @@ the previous query.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Iterator
+from typing import Final, NamedTuple
 
 from kg.syntax.lexer import Kind, tokens
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _PROLOGUE: Final = frozenset({"prefix", "base"})
 _FORMS: Final = frozenset({"select", "construct", "ask", "describe"})

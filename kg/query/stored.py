@@ -19,9 +19,11 @@ is unique. The folder `internal` contains queries of `kg` itself.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from pyoxigraph import Literal, NamedNode, RdfFormat, parse
 
@@ -31,10 +33,6 @@ from kg.query.binding import defaults
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES
 from kg.syntax.prologue import declared
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-    from pathlib import Path
 
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
 _TYPES: Final = ("string", "name", "integer", "boolean", "iri")
@@ -184,8 +182,7 @@ def _files(folders: Iterable[Path]) -> dict[str, Path]:
 def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
     """Return the query with this name, or this last part of its name.
 
-    Raises:
-        UsageError: KG001 with suggestions, or with the queries that share the last part.
+    Raises UsageError: KG001 with suggestions, or with the queries that share the last part.
     """
     files = _files(folders)
     same = [name] if name in files else [path for path in files if path.rpartition("/")[2] == name]

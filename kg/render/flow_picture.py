@@ -8,16 +8,13 @@ its end means that the box requires the absence of its input. The same input alw
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.render.layered import Node, Rectangle, lay_out
 from kg.render.svg import arrow, bar, before_tip, document, escaped, label, rounded, short
 from kg.render.text import width
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 _MARGIN: Final = 20
 _HEAD: Final = 74

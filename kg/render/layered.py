@@ -6,13 +6,11 @@ gives the same places on every run.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.lazily import lazily
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 with lazily():
     import graphlay

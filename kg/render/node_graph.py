@@ -7,15 +7,13 @@ relations are dashed, extracted ones solid. The same relations always give the s
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.render.svg import document, escaped, label, short
 from kg.render.text import printable, width
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
 
 _ROW: Final = 38
 _GAP: Final = 14

@@ -7,15 +7,13 @@ colours carry no extra meaning. The same node always gives the same bytes. Colou
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.facts import Role
 from kg.render.svg import document, escaped, label, short
 from kg.render.text import width
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 _LEFT: Final = ("subscribes", "services", "action_servers")
 _RIGHT: Final = ("publishes", "clients", "action_clients")
@@ -42,8 +40,6 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class _Side:
-    """The ports of one side by role, and how much room they take."""
-
     groups: tuple[tuple[str, tuple[Port, ...]], ...]
 
     @property

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.codes import CATALOGUE, CodeEntry
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
 _KINDS: Final = {"note": "notice"}

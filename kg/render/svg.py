@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.render.text import printable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
 
 _STYLES: Final = Path(__file__).parent / "styles"
 _TIP: Final = 7.0

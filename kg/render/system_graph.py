@@ -7,17 +7,14 @@ modules write it as SVG, DOT, Mermaid, JSON and text. The order is fixed, so one
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.facts import InstanceInterface, NodeInstance, StartKind, System
 from kg.holes import is_known
 from kg.names import FRAMEWORK
 from kg.render.text import count
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
 
@@ -29,6 +26,10 @@ class State:
     NEW: Final = "new"
     GONE: Final = "gone"
     CHANGED: Final = "changed"
+
+
+SIGNS: Final = {State.SAME: "", State.NEW: "+ ", State.GONE: "- ", State.CHANGED: "~ "}
+"""What is in front of the name of a thing, by what became of it."""
 
 
 @dataclass(frozen=True, slots=True)

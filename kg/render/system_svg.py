@@ -3,22 +3,41 @@
 Channels between the same nodes share one box. A dangling end is a line in its node, with an arrow out of the node for
 outputs, into it for inputs. Nodelets and components are inside the box of their host. `title` and `desc` describe the
 picture in words. The same graph always gives the same bytes.
+
+Nothing is told by colour alone: topics have round ends and solid lines, services square ends and dashed lines, actions
+cut corners and thick lines; what is new has a `+`, what is gone a `-`, what changed a `~` before its name.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.render.layered import Node, Rectangle, lay_out
-from kg.render.svg import arrow, before_tip, document, escaped, label, rounded
-from kg.render.system_graph import Bundle, Channel, Member, State, SystemGraph, bundles
-from kg.render.system_style import NAME, SIGNS, SMALL, TERM, outline, wide
+from kg.render.svg import arrow, before_tip, document, escaped, label, rounded, short
+from kg.render.system_graph import SIGNS, Bundle, Channel, Member, State, SystemGraph, bundles
 from kg.render.text import width
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+_NAME: Final = 7.9
+"""Width of a letter of a name, in pixels, as wide as those of generic monospace fonts get."""
+_TERM: Final = 7.3
+_SMALL: Final = 6.7
+
+
+def _wide(text: str, letter: float) -> float:
+    """Return how many pixels a text takes, shortened as it is shown."""
+    return width(short(text)) * letter
+
+
+def _outline(kind: str, x: float, y: float, w: float, h: float) -> str:
+    """Return the path around a channel: round ends for a topic, cut corners for an action, square for a service."""
+    if kind == "service":
+        return f"M{x:g} {y:g}h{w:g}v{h:g}h{-w:g}z"
+    if kind == "action":
+        return f"M{x + 6:g} {y:g}h{w - 12:g}l6 6v{h - 12:g}l-6 6h{12 - w:g}l-6 -6v{12 - h:g}z"
+    return f"M{x + 8:g} {y:g}h{w - 16:g}q8 0 8 8v{h - 16:g}q0 8 -8 8h{16 - w:g}q-8 0 -8 -8v{16 - h:g}q0 -8 8 -8z"
 
 
 _MARGIN: Final = 24
@@ -85,7 +104,7 @@ class _Drawing:
         hosts = {member.key: member.host for member in self.graph.members}
         for bundle in self.joining:
             lines = _bundle_lines(bundle)
-            across = round(max(wide(line, TERM) for line in lines)) + 26
+            across = round(max(_wide(line, _TERM) for line in lines)) + 26
             down = max(9 + _LINE * len(lines), _PORT * max(len(bundle.sources), len(bundle.targets)) + 8)
             around = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
             nodes.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
@@ -105,9 +124,9 @@ class _Drawing:
     def size(self, member: Member) -> tuple[float, float]:
         """Return the width and height of a member's box."""
         lines = self.lines(member)
-        texts = [(_title(member), NAME), *((one, SMALL) for one in _under(member))]
-        texts += [(one.text, SMALL) for one in lines]
-        room = max(wide(text, letter) for text, letter in texts)
+        texts = [(_title(member), _NAME), *((one, _SMALL) for one in _under(member))]
+        texts += [(one.text, _SMALL) for one in lines]
+        room = max(_wide(text, letter) for text, letter in texts)
         return round(room) + 28, 26 + _LINE * (len(_under(member)) + len(lines)) + (4 if lines else 0)
 
     def links(self) -> list[tuple[Bundle, str, bool]]:
@@ -132,7 +151,7 @@ def system_svg(graph: SystemGraph) -> str:
     states = {(link.member, link.channel, link.outward): link.state for link in graph.links}
     legend, legend_wide = _legend(graph)
     notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
-    across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * SMALL)
+    across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * _SMALL)
     size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
     compared = bool(graph.states())
     lines = [
@@ -219,7 +238,7 @@ def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:
     state = bundle.channels[0].state
     title = "; ".join(f"{bundle.kind} {one.name} ({' and '.join(one.types) or '?'})" for one in bundle.channels)
     yield f"<g><title>{escaped(title)}</title>"
-    path = outline(bundle.kind, where.x, where.y, where.wide, where.high)
+    path = _outline(bundle.kind, where.x, where.y, where.wide, where.high)
     yield f'<path class="{" ".join(filter(None, ["sign", bundle.kind, state]))}" d="{path}"/>'
     lines = _bundle_lines(bundle)
     top = where.y + (where.high - _LINE * len(lines)) / 2 + 11.5
@@ -247,12 +266,12 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
     kinds = [kind for kind in _WORDS if any(channel.kind == kind for channel in graph.channels)]
     drawn, x = [], float(_MARGIN)
     for kind in kinds:
-        drawn.append(f'<path class="sign {kind}" d="{outline(kind, x, 48, 34, 18)}"/>')
+        drawn.append(f'<path class="sign {kind}" d="{_outline(kind, x, 48, 34, 18)}"/>')
         drawn.append(
             f'<path class="way {kind}" d="M{x + 34:g} 57h22"/><path class="head {kind}" d="M{x + 62:g} 57l-8 -4.5v9z"/>'
         )
         drawn.append(label("key", x + 68, 61, _WORDS[kind]))
-        x += 68 + wide(_WORDS[kind], SMALL) + 22
+        x += 68 + _wide(_WORDS[kind], _SMALL) + 22
     states = graph.states()
     words = ["→ no subscriber or server", "← no publisher or client"]
     if any(channel.open for channel in graph.channels):
@@ -262,7 +281,7 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
     words += [f"{SIGNS[state]}{state}" for state in (State.NEW, State.GONE, State.CHANGED) if state in states]
     text = "   ".join(words)
     drawn.append(f'<text class="key" x="{x:g}" y="61" xml:space="preserve">{escaped(text)}</text>')
-    return drawn, x + len(text) * SMALL
+    return drawn, x + len(text) * _SMALL
 
 
 def _description(graph: SystemGraph) -> str:

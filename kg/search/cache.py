@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 
 from kg import resources
-from kg.search import lexicon
+from kg.search import words
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import NEIGHBOURS, Columns, Index
 from kg.search.reading import Concept
@@ -123,7 +123,7 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
 
 
 _VERSION_BYTES: Final = 4
-_DATA: Final = (*lexicon.FILES, "composing.toml")  # files in the folder `ontology` that what is kept depends on
+_DATA: Final = (*words.FILES, "composing.toml")  # files in the folder `ontology` that what is kept depends on
 
 
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:

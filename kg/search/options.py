@@ -1,4 +1,4 @@
-"""The filters of `kg search` as options; `kg.search.filters` applies them."""
+"""The filters of `kg search` as options; `kg.search.names` applies them."""
 
 from __future__ import annotations
 

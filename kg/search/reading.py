@@ -129,7 +129,6 @@ class _Reading:
             yield from rows(self.snapshot, f"SELECT {variables} {{ GRAPH {graph} {{ {pattern} }}")
 
     def _texts(self) -> dict[str, tuple[Text, ...]]:
-        """Return the descriptions of nodes and packages by their IRIs."""
         owners: dict[str, str] = {}
         parts: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
         for owner, part, predicate, value in self._sources(_TEXTS):
@@ -252,7 +251,6 @@ class _Reading:
         return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in by_field.items()})
 
     def _starts(self) -> Counter[str]:
-        """Return the number of starts of each node in launch files."""
         return Counter(node for _, node in rows(self.snapshot, "SELECT ?i ?n { GRAPH ?g { ?i rnkg:instanceOf ?n } }"))
 
     def _concepts(self) -> list[Concept]:
@@ -266,7 +264,6 @@ class _Reading:
         return sorted(concepts, key=lambda one: (one.kind, one.label))
 
     def _wider(self, iri: str) -> tuple[str, ...]:
-        """Return the labels of all broader concepts."""
         wider: dict[str, str] = {}
         waiting = list(self.individuals[iri].get(_BROADER, ()))
         while waiting:

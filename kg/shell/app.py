@@ -41,10 +41,8 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 with lazily():
-    from kg.shell.screens.find import FindScreen
-    from kg.shell.screens.help import HelpScreen
-    from kg.shell.screens.rules import RulesScreen
-    from kg.shell.screens.systems import SystemsScreen
+    from kg.shell.screens.find import FindScreen, RulesScreen, SystemsScreen
+    from kg.shell.screens.listing import HelpScreen
 
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
@@ -79,8 +77,7 @@ def editor_words() -> list[str]:
 def command_for(path: Path, line: int | None) -> list[str]:
     """Return the command that opens `path` at `line`, in the syntax of the editor.
 
-    Raises:
-        UsageError: KG551 no editor, KG552 the file is not on this machine.
+    Raises UsageError: KG551 no editor, KG552 the file is not on this machine.
     """
     if not path.is_file():
         hint = "The source may have moved; `kg status` lists the sources."

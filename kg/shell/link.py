@@ -79,7 +79,6 @@ class Link:
 
 
 def _result(head: Head, body: bytes, end: End, limit: int | None) -> Result:
-    """Return the result encoded in `body`."""
     cut = limit if end.more else None
     if head.kind == "graph":
         triples = tuple(quad.triple for quad in pyoxigraph.parse(body, pyoxigraph.RdfFormat.N_TRIPLES))

@@ -54,8 +54,7 @@ def keys_file() -> Path:
 def chosen_actions(path: Path) -> tuple[Action, ...]:
     """Return the actions with the keys of a file; those of the registry without one.
 
-    Raises:
-        UsageError: KG554 an unreadable file, an unknown action or key, an ambiguous key.
+    Raises UsageError: KG554 an unreadable file, an unknown action or key, an ambiguous key.
     """
     try:
         given = tomllib.loads(path.read_text(encoding="utf-8"))

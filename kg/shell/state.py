@@ -5,14 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.store.layout import write_atomically
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 _KEPT: Final = 2_000  # maximum number of entries in the history
 

@@ -33,7 +33,7 @@ with lazily():
     from kg.graph.reading.channels import every_name
     from kg.graph.reading.nodes import node_records
     from kg.graph.records import node_object
-    from kg.query import counting, stats
+    from kg.query import stats
     from kg.rules.selecting import columns_of
 
 _FOLDER: Final = "answers"
@@ -48,7 +48,7 @@ class Figures:
     """What `kg stats` shows: the figures of the graph, and those that RNKG counts."""
 
     graph: stats.Statistics
-    rnkg: counting.Counted
+    rnkg: stats.Counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 
     def make() -> Figures:
         graph = columns_of(snapshot)
-        return Figures(stats.statistics(graph), counting.counted(graph))
+        return Figures(stats.statistics(graph), stats.counted(graph))
 
     return _answer(snapshot, "stats", Figures, make)
 

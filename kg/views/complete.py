@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.query.completion import service
-from kg.query.completion.keeping import SnapshotCache
-from kg.query.completion.statistics import declared
+from kg.query.completion.statistics import SnapshotCache, declared
 from kg.query.diagnosis import problems
 from kg.query.stored import discover
 from kg.store.opening import layout_of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.facts import Location
-from kg.search.filters import filter_values
+from kg.search.names import filter_values
 from kg.search.options import FILTERS
 from kg.search.searching import Hit, Search, hit_object, search_of
 from kg.search.wording import near, understood, unknown

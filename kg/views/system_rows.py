@@ -8,7 +8,7 @@ from kg.facts import Role
 from kg.graph.iris import Iris, fragment
 from kg.graph.records import end_object
 from kg.render.system_graph import SystemGraph, channel_of, of_framework
-from kg.render.system_text import nobody_at
+from kg.render.system_notations import nobody_at
 from kg.views.node_rows import TYPES
 
 if TYPE_CHECKING:

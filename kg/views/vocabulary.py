@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.reading.queries import texts
-from kg.query.completion.keeping import SnapshotCache
+from kg.query.completion.statistics import SnapshotCache
 from kg.syntax.names import prefixed, shorten
 
 if TYPE_CHECKING:

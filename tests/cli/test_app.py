@@ -66,7 +66,7 @@ def test_a_bad_setting_shows_its_line_with_the_error(kg: Program, tmp_path: Path
 
 def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> None:
     """A defect is KG900 with exit code 70; the traceback is shown only with KG_DEBUG."""
-    broken = "import kg.cli.commands.config as c; c.setting_rows = None; from kg.cli.main import run; run()"
+    broken = "import kg.cli.commands.doctor as c; c.table_values = None; from kg.cli.main import run; run()"
     run = kg.python("-c", broken, "config", "show")
     assert run.code == 70
     assert run.err.startswith("error[KG900]: TypeError: ")
@@ -86,7 +86,7 @@ def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> Non
 )
 def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path, where: str) -> None:
     """Ctrl-C during text executed by Python or a class definition exits with 130, too."""
-    broken = f"import kg.cli.commands.config as c\ndef stop(*_):\n    {where}\nc.setting_rows = stop\n"
+    broken = f"import kg.cli.commands.doctor as c\ndef stop(*_):\n    {where}\nc.table_values = stop\n"
     (tmp_path / "stopped.py").write_text(f"{broken}from kg.cli.main import run\nrun()\n")
     run = kg.python("-m", "stopped", "config", "show")
     assert (run.code, run.err) == (130, "\ninterrupted\n")
@@ -158,4 +158,4 @@ def test_a_command_imports_no_other_command(kg: Program) -> None:
     program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
     listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
     loaded = {name for name in kg.python("-c", listing).out.split() if name.startswith("kg.cli.commands.")}
-    assert loaded == {"kg.cli.commands.explain"}
+    assert loaded == {"kg.cli.commands.doctor"}

@@ -19,8 +19,8 @@ from robot.driving.drivable import MODULES
 from robot.driving.rover import CAPABILITIES, rover, until
 from robot.programs import trolley
 
-from kg.cli import driving
-from kg.cli.driving import Doing, Reading, write_feedback
+from kg.cli.commands import robot_driving
+from kg.cli.commands.robot_driving import Doing, Reading, write_feedback
 from kg.cli.interruptible import interruptible
 from kg.errors import KgError, RobotError, UsageError
 from kg.robot.driving import find
@@ -90,19 +90,19 @@ def _play(monkeypatch: pytest.MonkeyPatch, scene: Callable[[Rover], Awaitable[No
 
     async def play() -> None:
         async with rover() as robot:
-            monkeypatch.setattr(driving, "address_of", lambda _: robot.bus.address)
-            monkeypatch.setattr(driving, "infer", lambda *_, **__: CAPABILITIES)
+            monkeypatch.setattr(robot_driving, "address_of", lambda _: robot.bus.address)
+            monkeypatch.setattr(robot_driving, "infer", lambda *_, **__: CAPABILITIES)
             await scene(robot)
 
     asyncio.run(play())
 
 
 async def _read(name: str, **options: Any) -> None:
-    await driving._read(Settings(), name, Reading.of(**{**ONCE, **options}))
+    await robot_driving._read(Settings(), name, Reading.of(**{**ONCE, **options}))
 
 
 async def _do(name: str, *values: str, **options: Any) -> None:
-    await driving._do(Settings(), name, Doing.of(values, **{**EARNEST, **options}))
+    await robot_driving._do(Settings(), name, Doing.of(values, **{**EARNEST, **options}))
 
 
 def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -124,7 +124,7 @@ def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 def test_bytes_of_a_message(capsys: pytest.CaptureFixture[str]) -> None:
     """An identity is written in hexadecimal, an image as its length."""
-    driving.write_message({"uuid": bytes(range(16)), "data": bytes(17)})
+    robot_driving.write_message({"uuid": bytes(range(16)), "data": bytes(17)})
     assert json.loads(capsys.readouterr().out) == {"uuid": "000102030405060708090a0b0c0d0e0f", "data": "17 bytes"}
 
 
@@ -132,7 +132,7 @@ def test_values_are_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys:
     """A terminal shows names, rounded numbers and units."""
 
     async def scene(robot: Rover) -> None:
-        monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
+        monkeypatch.setattr("kg.cli.commands.robot_driving.terminal", lambda: True)
         reading = asyncio.ensure_future(_read("sensing where it is", once=True, json=False))
         await robot.tell("/odom", "nav_msgs/Odometry", {})
         await until(lambda: robot.publications["/odom"].peers)
@@ -148,7 +148,7 @@ def test_reading_ends_after_its_time(monkeypatch: pytest.MonkeyPatch, capsys: py
 
     async def scene(_: Rover) -> None:
         await _read("measuring", rate="100", seconds="0.2")
-        monkeypatch.setattr(driving, "_FIRST", 0.1)
+        monkeypatch.setattr(robot_driving, "_FIRST", 0.1)
         with pytest.raises(RobotError) as nothing:
             await _read("sensingPose", seconds="0.1")
         assert nothing.value.code == "KG825"
@@ -178,7 +178,7 @@ def test_what_was_done_in_words(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     """A terminal shows in words what was sent, or would be."""
 
     async def scene(_: Rover) -> None:
-        monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
+        monkeypatch.setattr("kg.cli.commands.robot_driving.terminal", lambda: True)
         await _do("driving", "forward=0.2", keep="2", dry_run=True, json=False)
         await _do("driving", keep="0.01", json=False)
         await _do("counting", "until=1", json=False)
@@ -201,11 +201,11 @@ def test_a_goal_by_the_name_of_a_place(
     settings = Settings(places=str(tmp_path / "own.toml"))
 
     async def scene(robot: Rover) -> None:
-        monkeypatch.setattr(driving, "infer", lambda *_, **__: trolley.CAPABILITIES)
+        monkeypatch.setattr(robot_driving, "infer", lambda *_, **__: trolley.CAPABILITIES)
         publication = await robot.node.advertise(TOPIC, "std_msgs/String", latch=True)
         await publication.publish({"data": "kitchen = { x = 8, y = 8 }\nlab = { x = 5, y = 2 }"})
         for place in ("kitchen", "lab"):
-            await driving._do(settings, "goingToPose", Doing.of([f"at={place}"], **{**EARNEST, "dry_run": True}))
+            await robot_driving._do(settings, "goingToPose", Doing.of([f"at={place}"], **{**EARNEST, "dry_run": True}))
 
     _play(monkeypatch, scene)
     plans = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
@@ -218,10 +218,10 @@ def test_only_who_names_a_place_needs_the_file(monkeypatch: pytest.MonkeyPatch, 
     settings = Settings(places=str(tmp_path / "gone.toml"))
 
     async def scene(robot: Rover) -> None:
-        await driving._do(settings, "driving", Doing.of(["forward=0.2"], **{**EARNEST, "keep": "0.1"}))
+        await robot_driving._do(settings, "driving", Doing.of(["forward=0.2"], **{**EARNEST, "keep": "0.1"}))
         await until(lambda: robot.speeds()[-1:] == [0.0])
         with pytest.raises(UsageError, match=r"gone\.toml` cannot be read"):
-            await driving._do(settings, "driving", Doing.of(["at=kitchen"], **{**EARNEST, "keep": "0.1"}))
+            await robot_driving._do(settings, "driving", Doing.of(["at=kitchen"], **{**EARNEST, "keep": "0.1"}))
 
     _play(monkeypatch, scene)
 
@@ -388,7 +388,7 @@ def test_feedback_is_all_there_only_as_data(
     """A terminal or log gets at most one line of feedback a second; with --json each message is one line."""
 
     async def scene(_: Rover) -> None:
-        monkeypatch.setattr(driving, "monotonic", lambda: 5.0)
+        monkeypatch.setattr(robot_driving, "monotonic", lambda: 5.0)
         await _do("counting", "until=3", timeout="60", json=False)
         assert capsys.readouterr().err.count("now ") == 1
         await _do("counting", "until=3", timeout="60")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from kg.cli.driving import Doing
+from kg.cli.commands.robot_driving import Doing
 from kg.errors import UsageError
 
 

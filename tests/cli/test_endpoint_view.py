@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from rich.console import Console
 
-from kg.cli.endpoint_view import parameter_view
+from kg.cli.commands.channels import parameter_view
 from kg.cli.links import Links
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from kg.cli.interface_table import Row, interface_table
+from kg.cli.commands.node import Row, interface_table
 from kg.cli.links import Links
 from kg.facts import Location
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from lint.robot import finding
 
+from kg.cli.commands.lint import LintView, gone_sources, summary
 from kg.cli.links import Links
-from kg.cli.lint_view import LintView, gone_sources, summary
 from kg.graph.builds import Counts
 from kg.graph.source_states import SourceState
 from kg.lint.finding import Evidence, Finding

@@ -6,7 +6,7 @@ import click
 from click.testing import CliRunner
 from search.store import CONTENT
 
-from kg.cli.search_view import narrow
+from kg.cli.commands.search import narrow
 from kg.search.index import build
 from kg.search.searching import Search
 

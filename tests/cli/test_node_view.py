@@ -7,8 +7,8 @@ import io
 import pytest
 from rich.console import Console
 
+from kg.cli.commands.node import node_view
 from kg.cli.links import Links
-from kg.cli.node_view import node_view
 from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
 from kg.graph.reading.nodes import NodeRecord
 

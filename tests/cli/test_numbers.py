@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kg.cli.numbers import factor, frequency, seconds, size, whole
+from kg.cli.options import factor, frequency, seconds, size, whole
 from kg.errors import UsageError
 
 if TYPE_CHECKING:

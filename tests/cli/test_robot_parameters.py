@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kg.cli.commands import robot_params, robot_topics
-from kg.cli.commands.robot_params import set_parameter, show_parameters
-from kg.cli.robot_view import show_capabilities
+from kg.cli.commands import robot_topics
+from kg.cli.commands.robot import show_capabilities
+from kg.cli.commands.robot_topics import set_parameter, show_parameters
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.capability import Capabilities, Capability, Way
@@ -65,7 +65,7 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], None]], Non
                     await base.serve(f"/base/{name}", f"rcl_interfaces/{kind}", answer)
                 return await work
 
-        monkeypatch.setattr(robot_params, "address_of", lambda _: "memory://parameters")
+        monkeypatch.setattr(robot_topics, "address_of", lambda _: "memory://parameters")
         monkeypatch.setattr(asyncio, "run", lambda work: _RUN(scene(work)))
         command()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kg.cli.rules_view import list_columns, paragraphs
+from kg.cli.commands.rules import list_columns, paragraphs
 
 
 def test_paragraphs_are_joined_and_lists_are_not() -> None:

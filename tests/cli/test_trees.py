@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kg.cli import output, trees
+from kg.cli import output
+from kg.cli.commands import why
 from kg.cli.links import Links
 from kg.rules.explain.proof import Evidence
 from kg.rules.explain.text import Line
@@ -21,7 +22,7 @@ LINE = Line("│  ├─ ", "camera_monitor#publisher/image rnkg:connectsTo /cam
 def rows(width: int, monkeypatch: pytest.MonkeyPatch, lines: Sequence[Line] = (LINE,)) -> list[str]:
     """Return the rows that lines occupy on a terminal of some width."""
     monkeypatch.setattr(output, "line_width", lambda: width)
-    return [row.plain for line in lines for row in trees._folded(line, Links.of([]))]
+    return [row.plain for line in lines for row in why._folded(line, Links.of([]))]
 
 
 @pytest.mark.parametrize("width", [20, 40, 60, 80, 200])

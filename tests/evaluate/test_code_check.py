@@ -13,10 +13,8 @@ from hypothesis import strategies as st
 from pyoxigraph import NamedNode
 
 from kg.evaluate.code_check import Places, Site, check_code, holds, sites, statement_end, without_words
-from kg.evaluate.facts import STATED, Fact
-from kg.evaluate.intervals import weighed
-from kg.evaluate.source_lines import SourceLines
-from kg.evaluate.tables import Share
+from kg.evaluate.sheet import STATED, Fact, SourceLines
+from kg.evaluate.tables import Share, weighed
 from kg.graph.iris import Iris
 from kg.graph.source_states import sources
 from kg.store.embedded import EmbeddedStore

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kg.errors import UsageError
-from kg.evaluate.encoding import FolderModel
+from kg.evaluate.retrieval import FolderModel
 
 if TYPE_CHECKING:
     from pathlib import Path

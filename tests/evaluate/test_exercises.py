@@ -7,18 +7,21 @@ import pytest
 from cli.program import Program
 from repository import ROOT
 
-from kg.evaluate.exercise_tables import capabilities_of_robots, capabilities_table, exercises_table, runs_table
 from kg.evaluate.exercises import (
     ROBOTS,
     Exercise,
     Outcome,
     Robot,
     Variant,
+    capabilities_of_robots,
+    capabilities_table,
     carry_out,
     exercises,
+    exercises_table,
     missed,
     perform,
     program_of,
+    runs_table,
 )
 from kg.robot.programs.files import SUFFIX, decode, encode, load
 from kg.robot.simulation.plan import read_plan

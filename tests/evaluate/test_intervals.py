@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.evaluate.intervals import Z95, bootstrap, wilson
+from kg.evaluate.tables import Z95, bootstrap, wilson
 
 SHARES = st.integers(1, 5000).flatmap(lambda number: st.tuples(st.integers(0, number), st.just(number)))
 

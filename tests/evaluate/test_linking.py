@@ -14,8 +14,8 @@ from repository import ROOT
 from kg import api, settings
 from kg.errors import UsageError
 from kg.evaluate.completeness import completeness, correctness
-from kg.evaluate.gathering import Choice, _same, gather
-from kg.evaluate.keeping import forget, keep
+from kg.evaluate.linking import forget, keep
+from kg.evaluate.references import Choice, _same, gather
 from kg.evaluate.tables import Share, as_objects
 from kg.query import stored
 from kg.query.core import run

@@ -10,8 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.evaluate.documents import readme_nodes
-from kg.evaluate.references import Entry, plain_name, plain_type, read, short_name
+from kg.evaluate.references import Entry, plain_name, plain_type, read, readme_nodes, short_name
 
 CASES = Path(__file__).parent / "cases"
 JSON: st.SearchStrategy[Any] = st.recursive(

@@ -16,8 +16,19 @@ from hypothesis import strategies as st
 from repository import ROOT
 
 from kg.errors import UsageError
-from kg.evaluate.judged_needs import Constraints, Judged, Need, Ranked, ndcg, read_needs
-from kg.evaluate.retrieval import Patterns, _compared, embeddings, library, retrieval
+from kg.evaluate.retrieval import (
+    Constraints,
+    Judged,
+    Need,
+    Patterns,
+    Ranked,
+    _compared,
+    embeddings,
+    library,
+    ndcg,
+    read_needs,
+    retrieval,
+)
 from kg.evaluate.tables import Score
 from kg.search.documents import Document, End
 from kg.search.searching import open_search

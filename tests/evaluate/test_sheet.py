@@ -12,11 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.evaluate.facts import INFERRED, RELATIONS, Facts
-from kg.evaluate.intervals import shares_of
-from kg.evaluate.sheet import COLUMNS, as_sheet, drawn, score_sheet
-from kg.evaluate.source_lines import SourceLines
-from kg.evaluate.tables import Score, Share
+from kg.evaluate.sheet import COLUMNS, INFERRED, RELATIONS, Facts, SourceLines, as_sheet, drawn, score_sheet
+from kg.evaluate.tables import Score, Share, shares_of
 from kg.graph.source_states import sources
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UsageError
-from kg.evaluate.study import read, table
+from kg.evaluate.exercises import read, table
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects, with_paper
-from kg.evaluate.writing import draw, write
+from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects, draw, with_paper, write
 
 if TYPE_CHECKING:
     from pathlib import Path

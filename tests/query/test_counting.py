@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 from pytest import approx  # noqa: PT013 - the only name used
 
-from kg.query.connectivity import Neighbours, connectivity
-from kg.query.counting import _path, counted
-from kg.query.stats import statistics
+from kg.query.stats import Neighbours, connectivity, counted, statistics
+from kg.query.stats import _mean_path as _path
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot

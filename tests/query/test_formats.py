@@ -16,12 +16,13 @@ from hypothesis import strategies as st
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Quad, QueryResultsFormat, RdfFormat, Triple, parse
 from rdflib.query import Result as RdflibResult
 
-from kg.cli.answers import format_for
+from kg.cli.commands.query import format_for
 from kg.errors import QueryError
 from kg.query.core import run
-from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, plain, write, write_rows
+from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write, write_rows
 from kg.query.result import Boolean, Graph, Solutions
 from kg.query.writing.parquet import write_quads
+from kg.query.writing.values import plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

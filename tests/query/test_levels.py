@@ -8,7 +8,7 @@ import pytest
 from workspaces import copied, example
 
 from kg.pipeline.inferring import Inference
-from kg.query.ask import ask
+from kg.query.core import ask
 from kg.query.result import Solutions
 from kg.query.stored import discover
 from kg.settings import load

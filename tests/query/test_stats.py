@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 from pytest import approx  # noqa: PT013 - the only name used
 
 from kg.query import stored
-from kg.query.connectivity import Neighbours, connectivity
 from kg.query.core import run
 from kg.query.result import Solutions
-from kg.query.stats import statistics
+from kg.query.stats import Neighbours, connectivity, statistics
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot

@@ -12,7 +12,7 @@ from pyoxigraph import Literal
 
 from kg import resources
 from kg.errors import QueryError, UsageError
-from kg.query.ask import ask, row, suggestion
+from kg.query.core import ask, row, suggestion
 from kg.query.result import Solutions
 from kg.query.stored import discover, find, internal, read
 from kg.syntax.lexer import Kind, tokens

@@ -6,8 +6,7 @@ from render.systems import CAMERA, end, instance, system
 
 from kg.facts import Role
 from kg.render.system_graph import system_graph
-from kg.render.system_notations import system_dot, system_mermaid, system_object
-from kg.render.system_text import system_lines, system_rows
+from kg.render.system_notations import system_dot, system_lines, system_mermaid, system_object, system_rows
 from kg.render.system_views import overlaid
 
 GRAPH = system_graph(system(CAMERA))

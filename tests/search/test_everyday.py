@@ -7,13 +7,11 @@ from typing import Final
 import pytest
 from search.store import CONTENT
 
-from kg.search.everyday import meanings
 from kg.search.index import build
-from kg.search.lexicon import lexicon
 from kg.search.names import Names
-from kg.search.needs import parse
-from kg.search.ranking import wording_scores
-from kg.search.words import content_terms, phrase
+from kg.search.needs import meanings, parse
+from kg.search.searching import wording_scores
+from kg.search.words import content_terms, lexicon, phrase
 
 INDEX: Final = build(CONTENT)
 NAMES: Final = Names(INDEX.features.names, INDEX.concepts, INDEX.text.names)

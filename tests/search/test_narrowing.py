@@ -3,8 +3,8 @@ from __future__ import annotations
 from search.store import CONTENT
 
 from kg.search.index import build
-from kg.search.narrowing import question
 from kg.search.searching import Search
+from kg.search.wording import question
 
 SEARCH = Search(build(CONTENT))
 

@@ -4,13 +4,10 @@ import msgspec
 import pytest
 from search.store import CONTENT
 
-from kg.search.index import build
-from kg.search.lexicon import lexicon
-from kg.search.marking import MARKS
-from kg.search.ranking import covered, prior, scores
+from kg.search.index import MARKS, build
 from kg.search.reading import Content
-from kg.search.searching import Search
-from kg.search.words import stem
+from kg.search.searching import Search, covered, prior, scores
+from kg.search.words import lexicon, stem
 
 PLAIN = next(node for node in CONTENT.nodes if node.texts and node.kind == "executable")
 PACKAGE = CONTENT.packages[PLAIN.package]

@@ -14,7 +14,7 @@ from serving import TOKEN, application, served
 from starlette.routing import Route
 from workspaces import copied
 
-from kg.query.readers.jobs import Job
+from kg.query.readers.answers import Job
 from kg.query.readers.messages import Question, frame
 
 if TYPE_CHECKING:

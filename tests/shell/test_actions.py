@@ -20,9 +20,9 @@ _SCREENS: Final[dict[str, list[Any]]] = {
     "tree": [MainScreen],
     "page": ["page.PageScreen"],
     "find": ["find.FindScreen"],
-    "list": ["listing.ListScreen", "listing.ChoiceScreen", "stored.FormScreen", "export.ExportScreen"],
-    "rules": ["rules.RulesScreen"],
-    "systems": ["systems.SystemsScreen"],
+    "list": ["listing.ListScreen", "listing.ChoiceScreen", "listing.FormScreen", "listing.ExportScreen"],
+    "rules": ["find.RulesScreen"],
+    "systems": ["find.SystemsScreen"],
 }
 
 

@@ -14,7 +14,7 @@ from kg.errors import UsageError
 from kg.shell.actions import ACTIONS, key_named, key_words
 from kg.shell.app import Shell
 from kg.shell.running import chosen_actions, keys_file
-from kg.shell.screens.help import HelpScreen
+from kg.shell.screens.listing import HelpScreen
 
 if TYPE_CHECKING:
     from pathlib import Path

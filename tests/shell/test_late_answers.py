@@ -9,9 +9,8 @@ import pytest
 from shell.driving import current, opened, run_query, running, typed, until
 from textual.widgets import Input, OptionList
 
-from kg.shell.screens import export
-from kg.shell.screens.export import ExportScreen
-from kg.shell.screens.stored import FormScreen, StoredScreen
+from kg.shell.screens import listing
+from kg.shell.screens.listing import ExportScreen, FormScreen, StoredScreen
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -94,7 +93,7 @@ async def test_an_export_is_left_while_it_is_written(
         app.call_from_thread(app.pop_screen)
         return 1
 
-    monkeypatch.setattr(export, "to_file", written)
+    monkeypatch.setattr(listing, "to_file", written)
     async with running(store, tmp_path) as (app, pilot):
         await run_query(app, pilot, "ASK {}")
         await pilot.press("e")

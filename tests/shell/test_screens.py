@@ -9,15 +9,17 @@ from shell.driving import current, ended, opened, run_query, running, typed, unt
 from textual.command import CommandPalette
 from textual.widgets import Input, Markdown, OptionList, Tree
 
-from kg.shell.pages import lines_of_row
-from kg.shell.screens.export import ExportScreen
-from kg.shell.screens.find import FindScreen, HitTree
-from kg.shell.screens.help import HelpScreen
-from kg.shell.screens.jump import JumpScreen
-from kg.shell.screens.listing import ChoiceScreen, HistoryScreen
-from kg.shell.screens.page import PageScreen, PageTree
-from kg.shell.screens.rules import RulesScreen
-from kg.shell.screens.stored import FormScreen, StoredScreen
+from kg.shell.screens.find import FindScreen, HitTree, RulesScreen
+from kg.shell.screens.listing import (
+    ChoiceScreen,
+    ExportScreen,
+    FormScreen,
+    HelpScreen,
+    HistoryScreen,
+    JumpScreen,
+    StoredScreen,
+)
+from kg.shell.screens.page import PageScreen, PageTree, lines_of_row
 from kg.shell.state import State
 from kg.shell.tree import KnowledgeTree
 

@@ -9,7 +9,7 @@ from shell.driving import current, ended, make, opened, run_query, until
 from textual.widgets import Static
 
 from kg.shell.results import ResultView
-from kg.shell.screens.help import HelpScreen
+from kg.shell.screens.listing import HelpScreen
 from kg.shell.screens.main import Status
 from kg.shell.screens.page import PageScreen, PageTree
 from kg.shell.tree import KnowledgeTree

@@ -8,8 +8,7 @@ import pytest
 from kg.graph.reading import overview
 from kg.graph.reading.nodes import node_records
 from kg.graph.records import node_object
-from kg.query.counting import counted
-from kg.query.stats import statistics
+from kg.query.stats import counted, statistics
 from kg.store.opening import layout_of
 from kg.views import answers
 

@@ -2,12 +2,9 @@
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
 from kg.cli.completion import features, nodes
 from kg.cli.diagnostics import note
-from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, option, whole, with_settings
 from kg.cli.output import json_lines, terminal, write
 from kg.errors import UsageError
 from kg.lazily import lazily
@@ -18,58 +15,46 @@ from kg.store.opening import existing
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.search.compose.results import Composed, Node
 
 with lazily():
     from kg.search.compose import Question
     from kg.search.compose import compose as composed
     from kg.search.compose.launching import launch_text
     from kg.search.compose.network import grouped
-    from kg.search.compose.results import composed_object
+    from kg.search.compose.results import Composed, Node, composed_object
 
 _LONGEST: Final = 6
 _MOST: Final = 4  # maximum number of copies and required types that are listed
 From = Annotated[
     list[str],
-    typer.Option(
-        "--from",
-        metavar="TYPE",
-        help="Input type: `package/Type` or `Type`. If repeated, the first node subscribes to one of them.",
+    option(
+        "--from TYPE",
+        "Input type: `package/Type` or `Type`. If repeated, the first node subscribes to one of them.",
         autocompletion=features("subscribes"),
     ),
 ]
 To = Annotated[
     list[str],
-    typer.Option(
-        "--to",
-        metavar="TYPE",
-        help="Output type. If repeated, the last node publishes one of them.",
+    option(
+        "--to TYPE",
+        "Output type. If repeated, the last node publishes one of them.",
         autocompletion=features("publishes"),
     ),
 ]
 Using = Annotated[
     list[str] | None,
-    typer.Option(
-        "--using",
-        metavar="NAME",
-        help="Only chains through this: a node, a package, a type, or a keyword of a node.",
+    option(
+        "--using NAME",
+        "Only chains through this: a node, a package, a type, or a keyword of a node.",
         autocompletion=nodes,
     ),
 ]
-Ros = Annotated[str | None, typer.Option("--ros", metavar="1|2", help="Only this version of ROS.")]
+Ros = Annotated[str | None, option("--ros 1|2", "Only this version of ROS.")]
 Length = Annotated[
-    str | None,
-    typer.Option(
-        "--length",
-        metavar="N",
-        help="Maximum number of nodes. [default: 4, and at most one more than the best chain]",
-    ),
+    str | None, option("--length N", "Maximum number of nodes. [default: 4, and at most one more than the best chain]")
 ]
-Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of chains to show.")]
-Launch = Annotated[
-    str | None,
-    typer.Option("--launch", metavar="RANK", help="Write the launch file of the chain with this rank instead."),
-]
+Most = Annotated[str, option("--limit -n N", "Number of chains to show.")]
+Launch = Annotated[str | None, option("--launch RANK", "Write the launch file of the chain with this rank instead.")]
 
 
 @with_settings("store")
@@ -131,7 +116,6 @@ def compose(  # noqa: PLR0913 - the options of a command
 
 
 def _chain_lines(chain: "Composed", rank: int) -> "Iterator[str]":
-    """Yield the lines of a chain."""
     yield f"{rank}. {' -> '.join(chain.types)}"
     for node in chain.nodes:
         yield from (f"   {printable(line)}" for line in _node_lines(chain, node))

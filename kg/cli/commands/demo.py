@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import colored, say
+from kg.cli.options import option, session
 from kg.cli.output import write
-from kg.cli.session import session
 from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 with lazily():
     from tempfile import TemporaryDirectory
 
-    from kg.cli.answers import table
     from kg.cli.commands.lint import lint
+    from kg.cli.commands.query import table
     from kg.cli.commands.why import why
     from kg.cli.links import Links
     from kg.graph.source_states import sources
     from kg.pipeline.build import build
-    from kg.query.ask import ask
+    from kg.query.core import ask
     from kg.query.result import Solutions
     from kg.query.stored import find
     from kg.store.embedded import EmbeddedStore
@@ -55,10 +55,7 @@ To read your own sources:
     kg build ~/catkin_ws/src"""
 _TEMPORARY: Final = "The demo store is temporary. To keep one and explore it:\n\n    kg demo --store demo"
 
-Keep = Annotated[
-    str | None,
-    typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is temporary."),
-]
+Keep = Annotated[str | None, option("--store -s FOLDER", "Keep the store in FOLDER; by default it is temporary.")]
 
 
 def demo(context: typer.Context, *, store: Keep = None) -> None:

@@ -1,4 +1,4 @@
-"""`kg diff`: what changed in interfaces and wiring between two commits, or two stores."""
+"""`kg diff`: changes in interfaces and wiring between two commits. `kg impact`: what breaks if a name changes."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from kg.cli.completion import subjects
 from kg.cli.drawing import Output, Svg, deliver, form_of
-from kg.cli.options import Json, Markdown, with_settings
+from kg.cli.options import Json, Markdown, argument, option, with_settings
 from kg.cli.output import json_line
-from kg.errors import Exit, UsageError
+from kg.errors import Exit, StoreError, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -17,62 +18,47 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.graph.reading.systems import SystemName
-    from kg.graph.source_states import SourceState
-    from kg.launch.comparison import Difference, Side
+    from kg.impact.model import Impact
     from kg.store.embedded import EmbeddedStore
+
 
 with lazily():
     from kg.cli.links import Links
     from kg.cli.progress import for_people
     from kg.graph.reading.nodes import node_records
-    from kg.graph.reading.systems import system_names
-    from kg.graph.source_states import sources
-    from kg.launch.comparison import Sources, compare
-    from kg.launch.comparison.report import (
-        changed_keys,
-        changed_systems,
-        difference_lines,
-        difference_markdown,
-        difference_objects,
-    )
+    from kg.graph.reading.systems import SystemName, system_names
+    from kg.graph.source_states import SourceState, sources
+    from kg.impact import writing
+    from kg.launch.comparison import Difference, Side, Sources, compare, report
     from kg.pipeline.launch_names import matching, several_launches, unknown_launch
-    from kg.pipeline.revisions import merge_base, resolve, revision_store
+    from kg.pipeline.revisions import commit_and_work_tree, merge_base, resolve, revision_store
     from kg.render.system_graph import SystemGraph, system_graph
     from kg.render.system_svg import system_svg
     from kg.render.system_views import collapsed, near_changes, overlaid
-    from kg.store.opening import existing
-    from kg.views.impact_changes import compared_sources
+    from kg.store.opening import existing, reading
+    from kg.views.evidence import Places, places
+    from kg.views.impact import impact_of
+    from kg.views.impact_changes import broken_between, compared_sources
 
 
 _SHOWN: Final = 12
 
 Named = Annotated[
     list[str] | None,
-    typer.Argument(
-        metavar="A..B", help="Two commits (A..B, A...B from their merge base, or A B), or the folders of two stores."
-    ),
+    argument("A..B", "Two commits (A..B, A...B from their merge base, or A B), or the folders of two stores."),
 ]
-Repository = Annotated[
-    str | None,
-    typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout to compare; by default this folder."),
-]
-Launch = Annotated[
-    str | None, typer.Option("--launch", "-l", metavar="FILE", help="Compare only the wiring of this launch file.")
-]
+Repository = Annotated[str | None, option("--repository -C FOLDER", "Checkout to compare; by default this folder.")]
+Launch = Annotated[str | None, option("--launch -l FILE", "Compare only the wiring of this launch file.")]
 With = Annotated[
     str | None,
-    typer.Option(
-        "--with",
-        metavar="FILE",
-        help="Compare the launch file of --launch with this one; without commits, both are from the store.",
+    option(
+        "--with FILE", "Compare the launch file of --launch with this one; without commits, both are from the store."
     ),
 ]
 All = Annotated[
-    bool,
-    typer.Option("--all", "-a", help="Include what frameworks create implicitly, and in pictures what did not change."),
+    bool, option("--all -a", "Include what frameworks create implicitly, and in pictures what did not change.")
 ]
-ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
+ExitCode = Annotated[bool, option("--exit-code", "Exit with 1 if there are differences.")]
 
 
 @with_settings("store", "jobs", "rules", "rule_families")
@@ -127,13 +113,13 @@ def _written(
     if form == "svg":
         return _picture(difference, compared, both, every=every)
     if form == "json":
-        return "".join(map(json_line, difference_objects(difference)))
+        return "".join(map(json_line, report.difference_objects(difference)))
     if form == "markdown":
         links = Links.of(both[0].states.values()), Links.of(both[1].states.values())
-        return difference_markdown(
+        return report.difference_markdown(
             difference, compared.title, lambda side, is_after: address(links, side, is_after=is_after)
         )
-    return "".join(f"{line}\n" for line in difference_lines(difference))
+    return "".join(f"{line}\n" for line in report.difference_lines(difference))
 
 
 def _picture(difference: "Difference", compared: "Sides", both: "tuple[SideData, SideData]", *, every: bool) -> str:
@@ -150,7 +136,7 @@ def _picture(difference: "Difference", compared: "Sides", both: "tuple[SideData,
         )
         for side in both
     )
-    drawn = overlaid(before, after, changed_keys(difference, name))
+    drawn = overlaid(before, after, report.changed_keys(difference, name))
     return system_svg(collapsed(drawn if every else near_changes(drawn)))
 
 
@@ -159,7 +145,7 @@ def _one_system(difference: "Difference", both: "tuple[SideData, SideData]") -> 
 
     KG003 where there are several, or none.
     """
-    names = changed_systems(difference)
+    names = report.changed_systems(difference)
     if not names:
         names = tuple(sorted({one.configuration.name for side in both for one in side.sources.systems}))
     if len(names) == 1:
@@ -194,7 +180,7 @@ class SideData:
     launches: "Sequence[SystemName]"
 
 
-def sides(named: "Sequence[str]", repository: str | None) -> Sides:
+def sides(named: "Sequence[str]", repository: str | None) -> "Sides":
     """Return the sides of the arguments: `A..B`, `A...B`, `A B`; two folders are stores. KG003 for anything else."""
     folder = Path(repository or ".")
     if len(named) == 1 and ".." in named[0]:
@@ -213,7 +199,7 @@ def sides(named: "Sequence[str]", repository: str | None) -> Sides:
     raise UsageError("KG003", "two commits or two stores are compared", hint=hint)
 
 
-def stores(compared: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
+def stores(compared: "Sides", settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
     """Return both stores; commits without a store are built now. Raises as `kg.pipeline.revisions` does."""
     if compared.repository is None:
         first, second = (existing(replace(settings, store=Path(name))) for name in (compared.before, compared.after))
@@ -228,7 +214,7 @@ def stores(compared: Sides, settings: Settings) -> "tuple[EmbeddedStore, Embedde
     return opened[0], opened[1]
 
 
-def read_side(store: "EmbeddedStore", settings: Settings, launch: str | None) -> SideData:
+def read_side(store: "EmbeddedStore", settings: Settings, launch: str | None) -> "SideData":
     """Return the data of a side; with `launch` only that of the launch files it may name."""
     with store.read() as snapshot:
         every = system_names(snapshot)
@@ -239,7 +225,7 @@ def read_side(store: "EmbeddedStore", settings: Settings, launch: str | None) ->
         return SideData(read, {one.name: one for one in sources(snapshot)}, every)
 
 
-def as_one(before: SideData, after: SideData, texts: tuple[str, str]) -> tuple[SideData, SideData]:
+def as_one(before: "SideData", after: "SideData", texts: tuple[str, str]) -> "tuple[SideData, SideData]":
     """Return both sides with the launch file of the second under the name of that of the first.
 
     Raises KG422, KG003 if one of `texts` names no launch file of its side, or several.
@@ -262,3 +248,87 @@ def address(links: "tuple[Links, Links]", side: "Side", *, is_after: bool) -> st
         return None
     link = links[is_after].to(side.repository, side.location)
     return link if link and link.startswith("https://") else None
+
+
+Name = Annotated[
+    str | None,
+    argument(
+        "NAME",
+        "A topic, service, action, `package/Type`, `package/Type.field`, `node.parameter`, node, launch argument "
+        "(`x.launch:argument`) or file.",
+        autocompletion=subjects,
+    ),
+]
+KindOf = Annotated[str | None, option("--kind -k KIND", "Kind of NAME, if it is ambiguous.")]
+Diff = Annotated[
+    str | None, option("--diff -d COMMIT", "Show what the work tree breaks elsewhere, compared with COMMIT.")
+]
+Checkout = Annotated[str | None, option("--repository -C FOLDER", "Checkout for --diff; by default this folder.")]
+BreakingCode = Annotated[bool, option("--exit-code", "Exit with 1 if something breaks.")]
+
+
+@with_settings("store")
+def impact(  # noqa: PLR0913 - the options of a command
+    name: Name = None,
+    *,
+    settings: Settings,
+    diff: Diff = None,
+    repository: Checkout = None,
+    kind: KindOf = None,
+    markdown: Markdown = False,
+    json: Json = False,
+    output: Output = None,
+    exit_code: BreakingCode = False,
+) -> None:
+    """Show what breaks if a name is renamed, removed or changed.
+
+    Searches code, launch files, parameter files and definitions, and shows each place with its line. `breaks` is
+    certain; `may` states why it is uncertain. For example:
+
+        kg impact /cmd_vel
+        kg impact geometry_msgs/Twist.linear
+        kg impact amcl.base_frame_id
+        kg impact bringup.launch:use_sim_time --json
+        kg impact --diff origin/main --markdown
+
+    With --diff, each difference between COMMIT and the current files is shown with what it breaks in unchanged places.
+    The store is not changed.
+    """
+    form = form_of({"markdown": markdown, "json": json}, output)
+    if (name is None) == (diff is None):
+        raise UsageError("KG003", "a name or --diff COMMIT is required", hint="`kg impact /cmd_vel`, for example.")
+    if diff is not None:
+        is_breaking, text = _of_commit(settings, diff, Path(repository or "."), form)
+    else:
+        with reading(settings) as snapshot:
+            effects = impact_of(snapshot, settings, name or "", kind or "")
+            is_breaking, text = effects.is_breaking, _impact_text(effects, form, places(snapshot))
+    deliver(text, form, output, "impact")
+    if exit_code and is_breaking:
+        raise typer.Exit(Exit.FOUND)
+
+
+def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tuple[bool, str]:
+    try:
+        store = existing(settings)
+    except StoreError:
+        if settings.store is not None:
+            raise
+        store = None
+    revision = resolve(folder, commit)
+    with for_people() as progress, commit_and_work_tree(folder, revision, store, settings, progress) as (before, after):
+        broken = broken_between(before, after, settings)
+    is_breaking = any(one.is_breaking for one in broken)
+    if form == "json":
+        return is_breaking, "".join(map(json_line, writing.broken_objects(broken)))
+    if form == "markdown":
+        return is_breaking, writing.broken_markdown(broken, f"{commit}..work tree")
+    return is_breaking, "".join(f"{line}\n" for line in writing.broken_lines(broken))
+
+
+def _impact_text(effects: "Impact", form: str, where: "Places") -> str:
+    if form == "json":
+        return json_line(writing.impact_object(effects))
+    if form == "markdown":
+        return writing.impact_markdown(effects, where.web)
+    return "".join(f"{line}\n" for line in writing.impact_lines(effects))

@@ -1,5 +1,6 @@
-"""`kg doctor`: is everything there that `kg` needs? Each check reports a finding and, if something is wrong, a fix."""
+"""`kg doctor`, `explain`, `config` and `completions`: help with the installation, errors, settings and shells."""
 
+import os
 import platform
 import shutil
 import subprocess
@@ -8,29 +9,37 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
+from typer.completion import get_completion_script  # type: ignore[attr-defined]  # typer does not export it
 
+from kg.cli.completion import codes
 from kg.cli.diagnostics import colored, say
-from kg.cli.options import Json, with_settings
-from kg.cli.output import json_lines, write
-from kg.errors import CATALOGUE, Exit, KgError, StoreError
+from kg.cli.options import Json, argument, session, with_settings
+from kg.cli.output import Column, json_lines, print_table, write
+from kg.errors import CATALOGUE, Exit, KgError, StoreError, UsageError
 from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.resources import folder
 from kg.settings import Settings
+from kg.similar import did_you_mean, unknown
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from kg.store.layout import Layout
 
+
 with lazily():
     from kg.language.annotating import prepare
     from kg.language.loading import describe
+    from kg.lint import question
+    from kg.server import options as server
     from kg.server.libraries import libraries
+    from kg.settings import table_values
     from kg.store.locks import busy
     from kg.store.snapshot import EmbeddedSnapshot
+
 
 _DISTRIBUTION: Final = "kg-ros"
 _LEAST_FREE: Final = 200 << 20
@@ -46,7 +55,7 @@ class Check:
     way_out: str = ""
 
 
-def checks(settings: Settings) -> Iterator[Check]:
+def checks(settings: Settings) -> "Iterator[Check]":
     """Yield the results of all checks, basic ones first."""
     from kg.server.libraries import HELP  # noqa: PLC0415 - start-up time
 
@@ -73,7 +82,7 @@ def checks(settings: Settings) -> Iterator[Check]:
             yield Check(f"setting {declaration.name}", "ok", f"{value} (from {origin})")
 
 
-def _language(settings: Settings) -> Check:
+def _language(settings: Settings) -> "Check":
     if settings.nlp_model:
         try:
             prepare(settings.nlp_model)
@@ -82,7 +91,7 @@ def _language(settings: Settings) -> Check:
     return Check("tagger", "ok", describe(settings.nlp_model))
 
 
-def _dependencies() -> Iterator[Check]:
+def _dependencies() -> "Iterator[Check]":
     try:
         own, needed = version(_DISTRIBUTION), requires(_DISTRIBUTION) or []
     except PackageNotFoundError:
@@ -104,7 +113,7 @@ def _dependencies() -> Iterator[Check]:
             yield Check(bare, "note" if extra else "wrong", "not installed", way_out)
 
 
-def _program(name: str, option: str, missing: str, way_out: str) -> Check:
+def _program(name: str, option: str, missing: str, way_out: str) -> "Check":
     """Check a program by the first line that it prints about its version; `missing` is the state without it."""
     path = shutil.which(name.lower())
     line = ""
@@ -117,7 +126,7 @@ def _program(name: str, option: str, missing: str, way_out: str) -> Check:
     return Check(name, "ok", line) if line else Check(name, missing, "not found", way_out)
 
 
-def _store(settings: Settings) -> Iterator[Check]:
+def _store(settings: Settings) -> "Iterator[Check]":
     try:
         layout = layout_of(settings)
     except KgError as error:
@@ -133,7 +142,7 @@ def _store(settings: Settings) -> Iterator[Check]:
         yield Check("writer", "note", holder.message, holder.hint or "")
 
 
-def _content(layout: "Layout") -> Check:
+def _content(layout: "Layout") -> "Check":
     try:
         with EmbeddedSnapshot(layout) as snapshot:
             quads, graphs = snapshot.count(), len(snapshot.graphs())
@@ -150,7 +159,7 @@ def _content(layout: "Layout") -> Check:
     )
 
 
-def _disk(settings: Settings) -> Check:
+def _disk(settings: Settings) -> "Check":
     place = Path(settings.store or Path.cwd())
     place = next(folder for folder in (place, *place.parents) if folder.exists())
     free = shutil.disk_usage(place).free
@@ -181,3 +190,81 @@ def doctor(*, settings: Settings, json: Json = False) -> None:
     if wrong:
         say(f"{count(wrong, 'thing is', 'things are')} wrong")
         raise typer.Exit(Exit.FOUND)
+
+
+Code = Annotated[str | None, argument("CODE", "Code such as KG101; by default all are listed.", autocompletion=codes)]
+
+
+def explain(code: Code = None, *, json: Json = False) -> None:
+    """Explain an error code and how to fix the error.
+
+    Without a code, lists all codes. For example:
+
+        kg explain KG301
+    """
+    chosen = {code.upper(): CATALOGUE[code.upper()]} if code and code.upper() in CATALOGUE else CATALOGUE
+    if code and len(chosen) != 1:
+        raise unknown("code", code, CATALOGUE, otherwise="`kg explain` lists the codes.")
+    if json:
+        json_lines(
+            {"code": key, "title": one.title, "explanation": one.explanation, "way_out": one.way_out}
+            for key, one in chosen.items()
+        )
+    elif code:
+        for key, one in chosen.items():
+            write(f"{key}: {one.title}\n\n{one.explanation}\n\nFix: {one.way_out}")
+    else:
+        for key, one in chosen.items():
+            write(f"{key}  {one.title}")
+
+
+Shell = Annotated[str | None, argument("SHELL", "bash, zsh, fish or powershell; by default the shell in $SHELL.")]
+
+
+def completions(shell: Shell = None) -> None:
+    """Print a shell completion script for commands, options and names.
+
+    Completes nodes, packages, launch files, stored queries and rules of the working folder's store.
+
+        kg completions bash > ~/.local/share/bash-completion/completions/kg
+        kg completions zsh > ~/.zfunc/_kg        # a folder of $fpath
+        kg completions fish > ~/.config/fish/completions/kg.fish
+    """
+    shells = ("bash", "zsh", "fish", "powershell", "pwsh")
+    name = shell or Path(os.environ.get("SHELL", "")).name
+    if name not in shells:
+        message = f"no completions for the shell `{name}`" if name else "$SHELL is not set"
+        hint = (did_you_mean(name, shells) if name else None) or f"Use one of {', '.join(shells)}."
+        raise UsageError("KG001", message, hint=hint)
+    write(get_completion_script(prog_name="kg", complete_var="_KG_COMPLETE", shell=name))
+
+
+def show_settings(context: typer.Context, *, json: Json = False) -> None:
+    """Show all settings with their values and origins.
+
+    A flag overrides the environment variable, which overrides the nearest kg.toml in this folder or above, which
+    overrides the default:
+
+        # kg.toml
+        store = "/data/kg"
+        jobs = 8
+        [serve]
+        port = 8080
+    """
+    entries = [*session(context).settings().values()]
+    for table in (question.DECLARED, server.DECLARED):
+        entries += table_values(table)
+    shown = []
+    for one, value, origin in entries:
+        plain = [str(path) for path in value] if isinstance(value, tuple) else value
+        plain = plain if isinstance(plain, int | float | str | list | None) else str(plain)
+        name = ".".join(filter(None, (one.table, one.key)))
+        if json:
+            record = {"setting": name, "value": plain, "origin": str(origin)}
+            json_lines([{**record, "flag": one.flag, "variable": one.variable, "about": one.sentence}])
+        text = os.pathsep.join(plain) if isinstance(plain, list) else str(plain)
+        shown.append((name, "-" if plain is None or plain == [] else text, str(origin), one.sentence))
+    if not json:
+        print_table(
+            (Column("setting", "name"), Column("value"), Column("origin"), Column("about", "dim", spare=1)), shown
+        )

@@ -1,77 +1,64 @@
-"""`kg eval`: how complete and how right the graph is, and how well nodes are found, as RNKG evaluates it."""
+"""`kg eval`: how complete and how right the graph is, and how well nodes are found, as RNKG evaluates it; exercises."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.numbers import whole
-from kg.cli.options import Json, require_one_of, with_settings
+from kg.cli.options import Json, argument, option, require_one_of, whole, with_settings
 from kg.cli.output import Column, listing, write_text
-from kg.errors import UsageError
+from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, reading
 
-if TYPE_CHECKING:
-    from kg.evaluate.linking import Ground
-
 with lazily():
+    import asyncio
+
     from kg.evaluate.code_check import check_code
-    from kg.evaluate.facts import Facts
-    from kg.evaluate.gathering import Choice
-    from kg.evaluate.judged_needs import read_needs
-    from kg.evaluate.keeping import forget as drop
-    from kg.evaluate.keeping import keep as add
-    from kg.evaluate.retrieval import retrieval
-    from kg.evaluate.sheet import as_sheet, drawn, score_sheet
-    from kg.evaluate.source_lines import SourceLines
-    from kg.evaluate.tables import Table, as_csv, as_objects, spelled
-    from kg.evaluate.writing import write
+    from kg.evaluate.exercises import (
+        capabilities_of_robots,
+        capabilities_table,
+        exercises_table,
+        perform_all,
+        read,
+        runs_table,
+        table,
+    )
+    from kg.evaluate.linking import Ground
+    from kg.evaluate.linking import forget as drop
+    from kg.evaluate.linking import keep as add
+    from kg.evaluate.references import Choice
+    from kg.evaluate.retrieval import read_needs, retrieval
+    from kg.evaluate.sheet import Facts, SourceLines, as_sheet, drawn, score_sheet
+    from kg.evaluate.tables import Table, as_csv, as_objects, spelled, write
     from kg.graph.source_states import sources
     from kg.search.searching import open_search
 
+
 References = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--reference", "-r", metavar="FILE", help="References: JSON lines, a wiki page, a README, a folder of pages."
-    ),
+    list[str] | None, option("--reference -r FILE", "References: JSON lines, a wiki page, a README, a folder of pages.")
 ]
-Closed = Annotated[bool, typer.Option("--closed", help="Assume that references are complete.")]
-AnyCommit = Annotated[bool, typer.Option("--any-commit", help="Also compare references of other commits.")]
-Package = Annotated[
-    str | None, typer.Option("--package", "-p", metavar="NAME", help="Package that wiki pages and READMEs describe.")
-]
-Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Seed of the random sample.")]
-Code = Annotated[bool, typer.Option("--code", help="Compare with the code instead of references.")]
-SampleSize = Annotated[
-    str, typer.Option("--sample", metavar="N", help="With --code: number of calls, and of facts, to sample.")
-]
-Tests = Annotated[bool, typer.Option("--tests", help="With --code: also search test files.")]
-Missed = Annotated[
-    str | None, typer.Option("--missed", metavar="FILE", help="With --code: write the failures, as CSV.")
-]
-Keep = Annotated[bool, typer.Option("--keep", help="Keep the references in the store, for the stored queries.")]
-Forget = Annotated[bool, typer.Option("--forget", help="Remove kept references from the store.")]
-Size = Annotated[str, typer.Option("--size", "-n", metavar="N", help="Number of facts to draw.")]
-Relations = Annotated[
-    list[str] | None, typer.Option("--relation", metavar="NAME", help="Only this relation; may be repeated.")
-]
-Sheet = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write the sheet to FILE.")]
-Judged = Annotated[str | None, typer.Option("--score", metavar="FILE", help="Score a judged sheet.")]
-Tables = Annotated[
-    str | None, typer.Option("--tables", metavar="FOLDER", help="Write the scores as Markdown, CSV and SVG.")
-]
-Needs = Annotated[str, typer.Option("--queries", "-q", metavar="FILE", help="Needs with judged nodes: JSON lines.")]
-Model = Annotated[
-    str | None,
-    typer.Option("--model", metavar="FOLDER", help="Model of sentence embeddings to include in the comparison."),
-]
-Output = Annotated[
-    str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
-]
+Closed = Annotated[bool, option("--closed", "Assume that references are complete.")]
+AnyCommit = Annotated[bool, option("--any-commit", "Also compare references of other commits.")]
+Package = Annotated[str | None, option("--package -p NAME", "Package that wiki pages and READMEs describe.")]
+Seed = Annotated[str, option("--seed N", "Seed of the random sample.")]
+Code = Annotated[bool, option("--code", "Compare with the code instead of references.")]
+SampleSize = Annotated[str, option("--sample N", "With --code: number of calls, and of facts, to sample.")]
+Tests = Annotated[bool, option("--tests", "With --code: also search test files.")]
+Missed = Annotated[str | None, option("--missed FILE", "With --code: write the failures, as CSV.")]
+Keep = Annotated[bool, option("--keep", "Keep the references in the store, for the stored queries.")]
+Forget = Annotated[bool, option("--forget", "Remove kept references from the store.")]
+Size = Annotated[str, option("--size -n N", "Number of facts to draw.")]
+Relations = Annotated[list[str] | None, option("--relation NAME", "Only this relation; may be repeated.")]
+Sheet = Annotated[str | None, option("--output -o FILE", "Write the sheet to FILE.")]
+Judged = Annotated[str | None, option("--score FILE", "Score a judged sheet.")]
+Tables = Annotated[str | None, option("--tables FOLDER", "Write the scores as Markdown, CSV and SVG.")]
+Needs = Annotated[str, option("--queries -q FILE", "Needs with judged nodes: JSON lines.")]
+Model = Annotated[str | None, option("--model FOLDER", "Model of sentence embeddings to include in the comparison.")]
+Output = Annotated[str | None, option("--output -o FOLDER", "Write Markdown, CSV and SVG into FOLDER.")]
 
 
 @with_settings("store")
@@ -183,7 +170,7 @@ def sample(  # noqa: PLR0913 - the options of a command
     if score:
         deliver(score_sheet(Path(score).expanduser()), json=json, output=tables)
         return
-    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
+    from kg.evaluate.sheet import RELATIONS  # noqa: PLC0415 - start-up time
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
     for name in relation or ():
@@ -198,12 +185,7 @@ def sample(  # noqa: PLR0913 - the options of a command
 
 @with_settings("store")
 def search(
-    *,
-    settings: Settings,
-    queries: Needs,
-    model: Model = None,
-    output: Output = None,
-    json: Json = False,
+    *, settings: Settings, queries: Needs, model: Model = None, output: Output = None, json: Json = False
 ) -> None:
     """Compare the search with other methods: NDCG@1 and NDCG@5.
 
@@ -241,3 +223,51 @@ def _paths(reference: list[str] | None) -> list[Path]:
 def _keep(settings: Settings, ground: "Ground") -> None:
     add(settings, ground.triples)
     say(f"kept {count(len(ground.linked), 'reference')} in the store")
+
+
+Capabilities = Annotated[
+    bool, option("--capabilities", "Print Table 1: the inferred capabilities of each simulated robot.")
+]
+Run = Annotated[bool, option("--run", "Run the exercises and report which reach their goal.")]
+Results = Annotated[list[str], argument("RESULTS", "Results of a study (CSV), as the page saves them.")]
+
+
+@with_settings("store")
+def exercises(
+    *,
+    settings: Settings,
+    capabilities: Capabilities = False,
+    run: Run = False,
+    output: Output = None,
+    json: Json = False,
+) -> None:
+    """Compare capability programs with equivalent code in four exercises.
+
+    Compares blocks and capabilities of the program with lines, components and message types of the code, for two
+    simulated robots, as in Table 2 of the onto-ros paper. The programs are in examples/programs. Needs the extra
+    `simulate`. For example:
+
+        kg eval exercises
+        kg eval exercises --capabilities
+        kg eval exercises --run
+    """
+    if run:
+        outcomes = asyncio.run(perform_all(settings))
+        deliver(runs_table(outcomes), json=json, output=output)
+        if any(one.missed for one in outcomes):
+            raise typer.Exit(Exit.FOUND)
+        return
+    results = asyncio.run(capabilities_of_robots(settings))
+    deliver(capabilities_table(results) if capabilities else exercises_table(results), json=json, output=output)
+
+
+def study(files: Results, *, json: Json = False, output: Output = None) -> None:
+    """Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.
+
+    Takes the files that the robot page saves (Examples, Study with four tasks), and prints them next to the figures of
+    Table 2 of the onto-ros paper. For example:
+
+        kg eval study alice.csv bob.csv
+        kg eval study *.csv --output report
+    """
+    deliver(table([row for file in files for row in read(file)]), json=json, output=output)

@@ -1,16 +1,18 @@
-"""`kg export` and `kg import`: RDF out of the store and into it. `kg forget`: a source out of it."""
+"""`kg export`, `import` and `forget`: RDF out of the store and into it. `kg publish` and `pull`: graphs for others."""
 
+from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from kg.cli.copying import copy_to, server_of
+from kg.cli.commands.build import copy_to, server_of
 from kg.cli.diagnostics import note, say
-from kg.cli.options import NoRules, OutputFile, UpdateUrl, with_settings
-from kg.cli.output import save, terminal, write_bytes
+from kg.cli.options import Json, NoRules, OutputFile, UpdateUrl, argument, option, with_settings
+from kg.cli.output import json_lines, save, terminal, write_bytes
 from kg.errors import Exit, QueryError, UsageError
+from kg.forms import FormError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -18,45 +20,40 @@ from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, mirrored, reading, writable
 
 if TYPE_CHECKING:
-    from kg.pipeline.inferring import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
+
 
 with lazily():
     import gzip
 
     from pyoxigraph import NamedNode, RdfFormat, parse
 
-    from kg.cli.build_view import left_out
+    from kg.cli.commands.build import left_out
+    from kg.forms import size
     from kg.graph.iris import Iris
     from kg.pipeline.forgetting import forget as drop
-    from kg.pipeline.inferring import Inference
+    from kg.pipeline.inferring import Inference, Inferred
+    from kg.pipeline.snapshots import publish as write
+    from kg.pipeline.snapshots import pull as fetch
     from kg.pipeline.updating.ownership import protected_graphs
     from kg.query.writing import parquet
+    from kg.rules.folders import user_folders
+    from kg.search.searching import open_search
+
 
 FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
 _PARQUET: Final = "parquet"
 FormatName = Annotated[
-    str | None,
-    typer.Option("--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default from the file name."),
+    str | None, option("--format -f FORMAT", f"{', '.join(FORMATS)}; by default from the file name.")
 ]
 ExportFormat = Annotated[
     str | None,
-    typer.Option(
-        "--format",
-        "-f",
-        metavar="FORMAT",
-        help=f"{', '.join(FORMATS)}, {_PARQUET} (an extra); by default from the file name.",
-    ),
+    option("--format -f FORMAT", f"{', '.join(FORMATS)}, {_PARQUET} (an extra); by default from the file name."),
 ]
-Source = Annotated[
-    str | None, typer.Option("--source", metavar="NAME", help="Only facts from this source (see `kg status`).")
-]
-GraphName = Annotated[
-    str | None,
-    typer.Option("--graph", "-g", metavar="NAME", help="A named graph: ontology, inferred, builds, or an IRI."),
-]
-Files = Annotated[list[str], typer.Argument(metavar="FILE", help="RDF files.")]
-Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of sources, as listed by `kg status`.")]
+Source = Annotated[str | None, option("--source NAME", "Only facts from this source (see `kg status`).")]
+GraphName = Annotated[str | None, option("--graph -g NAME", "A named graph: ontology, inferred, builds, or an IRI.")]
+Files = Annotated[list[str], argument("FILE", "RDF files.")]
+Sources = Annotated[list[str], argument("SOURCE", "Names of sources, as listed by `kg status`.")]
 
 
 @with_settings("base", "store")
@@ -229,3 +226,61 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     names = [one.removeprefix(start) for one in matches if one.startswith(start) or not source]
     kind = "source" if source else "graph"
     raise unknown(kind, source or graph or "", names, otherwise=f"There are: {', '.join(names) or 'none'}.")
+
+
+Target = Annotated[str, argument("TARGET", "A folder, or an address of a web server that accepts PUT.")]
+Address = Annotated[str, argument("ADDRESS", "What `kg publish` wrote: http(s)://, file:// or a folder.")]
+NoIndex = Annotated[bool, option("--no-index", "Leave out the search index.")]
+WithIndex = Annotated[
+    bool, option("--index", "Also take the publisher's search index; by default the first search builds one.")
+]
+MaxBytes = Annotated[str, option("--max-bytes SIZE", "Refuse a snapshot larger than this, packed or unpacked.")]
+
+
+@with_settings("rules", "base", "store")
+def publish(target: Target, *, settings: Settings, no_index: NoIndex = False, json: Json = False) -> None:
+    """Write the graph for others, to a folder or a web server.
+
+    Writes the graph as compressed N-Quads, the search index, your own rules, and a manifest with the digest of each.
+    What was published there before is replaced. The graph names the folders of its sources on this machine. A web
+    server gets the credentials in KG_REMOTE_TOKEN, or KG_REMOTE_USER and KG_REMOTE_PASSWORD. For example:
+
+        kg publish /srv/www/robots
+        kg publish https://files.example.org/robots
+    """
+    opened = existing(settings)
+    if not no_index:
+        open_search(opened)
+    with opened.read() as snapshot:
+        index = None if no_index else opened.layout.cache / "search" / snapshot.identity
+        manifest = write(snapshot, target, settings.base, user_folders(settings), index)
+    if json:
+        json_lines([asdict(manifest)])
+    say(f"published {count(manifest.quads, 'quad')} with digest {manifest.digest} to {target}")
+
+
+@with_settings("store")
+def pull(
+    address: Address, *, settings: Settings, index: WithIndex = False, max_bytes: MaxBytes = "4G", json: Json = False
+) -> None:
+    """Fetch a published graph and make a store of it.
+
+    Every file is compared with its digest, and the store is unchanged unless all are whole. Pulling again replaces the
+    content. Rules of the publisher are kept in STORE/published/rules and are not run unless you name them with --rules.
+    A web server gets the credentials in KG_REMOTE_TOKEN, or KG_REMOTE_USER and KG_REMOTE_PASSWORD. For example:
+
+        kg pull https://files.example.org/robots --store robots
+        kg query --store robots --store .kg 'SELECT ?node { ?node a ros:Node }'
+    """
+    try:
+        limit = size(max_bytes, Path())
+    except FormError as error:
+        raise UsageError("KG002", f"--max-bytes is {max_bytes!r}, which is not {error}") from error
+    with writable(settings) as target:
+        manifest = fetch(address, target, limit, with_index=index)
+    if json:
+        json_lines([asdict(manifest)])
+    say(f"pulled {count(manifest.quads, 'quad')} with digest {manifest.digest} into {target.layout.root}")
+    if manifest.rules:
+        rules = target.layout.root / "published" / "rules"
+        note(f"{count(len(manifest.rules), 'rule')} of the publisher in {rules}; `--rules` runs them")

@@ -7,9 +7,8 @@ from typing import Annotated
 import typer
 
 from kg.cli.diagnostics import colored, render, say
-from kg.cli.options import Json, takes
+from kg.cli.options import Json, argument, session, takes
 from kg.cli.output import json_lines, write
-from kg.cli.session import session
 from kg.errors import Exit, KgError
 from kg.lazily import lazily
 from kg.render.text import count
@@ -19,10 +18,7 @@ with lazily():
     from kg.pipeline.calls import call_files, read_calls
     from kg.symbolic.checking import check as find
 
-Files = Annotated[
-    list[str] | None,
-    typer.Argument(metavar="FILE", help="Files of descriptions; by default those of the setting `calls`."),
-]
+Files = Annotated[list[str] | None, argument("FILE", "Files of descriptions; by default those of the setting `calls`.")]
 
 
 @takes([DECLARED["calls"]])

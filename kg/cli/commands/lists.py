@@ -1,24 +1,30 @@
-"""`kg packages`, `kg files`, `kg topics`, `kg services`, `kg actions`: lists over the whole store."""
+"""`kg nodes`, `packages`, `files`, `topics`, `services` and `actions`: lists over the whole store."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Annotated, Any, Final
-
-import typer
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from kg.cli.diagnostics import note
-from kg.cli.options import All, Json, require_one_of, with_settings
-from kg.cli.output import Column, listing, terminal
+from kg.cli.options import All, Json, PackageName, option, require_one_of, with_settings
+from kg.cli.output import Column, listing, numbers, terminal, write
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
 
+if TYPE_CHECKING:
+    from kg.store.snapshot import EmbeddedSnapshot
+
+
 with lazily():
     from kg.graph.reading import overview
-    from kg.views.answers import channels
+    from kg.graph.reading.nodes import node_records
+    from kg.graph.records import node_object
+    from kg.views.answers import channels, node_lines, node_summaries
+    from kg.views.names import require_package
+
 
 _SORTS: Final = ("code", "both", "text", "other")
 
@@ -34,7 +40,7 @@ def packages(*, settings: Settings, json: Json = False) -> None:
     columns = (
         Column("package", "name"),
         Column("version"),
-        *(Column(title, "number") for title in ("ros", "nodes", "definitions", "problems")),
+        *numbers("ros", "nodes", "definitions", "problems"),
         Column("source", "dim", spare=1),
         Column("folder", "dim", spare=1),
     )
@@ -47,18 +53,12 @@ def packages(*, settings: Settings, json: Json = False) -> None:
         note(count(len(listed), "package"))
 
 
-Package = Annotated[str | None, typer.Option("--package", "-p", metavar="NAME", help="Only files of this package.")]
-Sort = Annotated[str | None, typer.Option("--sort", metavar="SORT", help=f"Only {', '.join(_SORTS)} files.")]
+Package = Annotated[str | None, option("--package -p NAME", "Only files of this package.")]
+Sort = Annotated[str | None, option("--sort SORT", f"Only {', '.join(_SORTS)} files.")]
 
 
 @with_settings("store")
-def files(
-    *,
-    settings: Settings,
-    package: Package = None,
-    sort: Sort = None,
-    json: Json = False,
-) -> None:
+def files(*, settings: Settings, package: Package = None, sort: Sort = None, json: Json = False) -> None:
     """List the files of packages, sorted into code and text.
 
     As in RNKG (section 3.1.2), code is C++, Python, interface definitions and launch files; text is READMEs, pages and
@@ -78,7 +78,7 @@ def files(
     columns = (
         Column("sort"),
         Column("kind"),
-        *(Column(title, "number") for title in ("nodes", "texts")),
+        *numbers("nodes", "texts"),
         Column("package", "name"),
         Column("file"),
         Column("source", "dim", spare=1),
@@ -128,12 +128,7 @@ def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
 def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
     """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
-    columns = (
-        Column(kind, "name"),
-        Column("type", spare=1),
-        *(Column(verb, "number") for verb in verbs),
-        Column("launch files", "number"),
-    )
+    columns = (Column(kind, "name"), Column("type", spare=1), *numbers(*verbs), Column("launch files", "number"))
     rows = [
         (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in listed
     ]
@@ -149,3 +144,59 @@ def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool
         for one in listed
     )
     listing(columns, rows, objects=objects if json else None)
+
+
+COLUMNS: Final = (
+    Column("package"),
+    Column("node", "name"),
+    Column("kind"),
+    *numbers("ros", "pub", "sub", "srv", "cli", "act", "par"),
+    Column("file:line", "dim", spare=1),
+)
+Kind = Annotated[str | None, option("--kind KIND", "Only executable, script, nodelet, component, plugin or class.")]
+
+
+@with_settings("store")
+def nodes(*, settings: Settings, package: PackageName = None, kind: Kind = None, json: Json = False) -> None:
+    """List all nodes with the number of their interfaces.
+
+    The columns count what the code itself declares: topics published (pub) and subscribed to (sub), services offered
+    (srv) and called (cli), actions offered or called (act), parameters (par). For example:
+
+        kg nodes --package move_base
+        kg nodes --json | jq -r 'select(.publishes[].type == "geometry_msgs/Twist") | .node'
+    """
+    from kg.facts import NodeKind  # noqa: PLC0415 - start-up time
+
+    if kind is not None:
+        require_one_of(kind, NodeKind, "kind", f"The kinds are {', '.join(NodeKind)}.")
+    with reading(settings) as snapshot:
+        if package:
+            require_package(snapshot, package)
+        if json:
+            _objects(snapshot, package, kind)
+        else:
+            _table(snapshot, package, kind)
+
+
+def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+    if package is None:
+        for one in node_lines(snapshot):
+            if kind in {None, one.kind}:
+                write(one.text)
+        return
+
+    records = [one for one in node_records(snapshot, package=package) if kind in {None, one.node.kind}]
+    listing(COLUMNS, (), objects=map(node_object, records))
+
+
+def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+    every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
+    listed = [one for one in every if kind in {None, one.kind}]
+    rows = []
+    for one in listed:
+        ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
+        rows.append((one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)))
+    listing(COLUMNS, rows)
+    if terminal():
+        note(f"{count(len(listed), 'node')}; `kg node NAME` shows one")

@@ -1,75 +1,159 @@
 """`kg node`: one node with all it declares, as words, JSON or a picture."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Final
-
-import typer
 
 from kg.cli.completion import nodes
 from kg.cli.diagnostics import note
 from kg.cli.drawing import deliver
 from kg.cli.group import KgCommand
-from kg.cli.interface_table import Row, interface_table
-from kg.cli.options import All, Json, Via, with_settings
-from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
+from kg.cli.options import All, Json, Via, argument, option, with_settings
+from kg.cli.output import json_lines, line_width, shortened, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
-from kg.facts import Role
+from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
 from kg.lazily import lazily
-from kg.render.text import count, printable
+from kg.render.text import count, printable, some, width
 from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import one_node, starting_system
+from kg.views.wording import LANGUAGES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from rich.console import RenderableType
 
-    from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.graph.reading.classes import Classes
+    from kg.facts import InstanceInterface, Location, NodeInstance, System
     from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 
+
 with lazily():
+    from rich.padding import Padding
+    from rich.table import Table
     from rich.text import Text
 
     from kg.cli.links import Links
-    from kg.cli.node_view import left_out, node_lines
     from kg.graph.pictures import node_picture
-    from kg.graph.reading.classes import classes
+    from kg.graph.reading.classes import Class, Classes, classes
     from kg.graph.reading.systems import system_names, systems
-    from kg.graph.records import instance_object, node_object
+    from kg.graph.records import how_to_start, instance_object, node_object
     from kg.graph.source_states import sources
     from kg.render import node_graph
-    from kg.views.evidence import places
+    from kg.views.evidence import Places, places
     from kg.views.node_graph import node_relations
+    from kg.views.wording import accesses, how, how_loaded, parameter_groups, quoted
+
+
+_GAP: Final = 3
+_LEAST_REMARK: Final = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A line of the table; `dim` for endpoints that a framework creates."""
+
+    name: str
+    type: str
+    remark: str
+    location: "Location"
+    dim: bool
+    via: "tuple[Location, ...]" = ()
+    """The calls from the location to the framework, shown below the location."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Layout:
+    """How places are written, and whether remarks are below the types; columns with a width are not folded."""
+
+    places: "Mapping[Location, str]"
+    type_width: int | None = None
+    place_width: int | None = None
+    stacked: bool = False
+
+
+def interface_table(
+    groups: "Sequence[tuple[str, Sequence[Row]]]", repository: str, links: "Links", columns: int
+) -> "Table":
+    """Return a rich table of groups with their titles, for a terminal of so many columns."""
+    from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
+
+    rows = [row for _, listed in groups for row in listed]
+    layout = _layout(rows, columns)
+    table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
+    table.add_column(overflow="fold")
+    table.add_column(overflow="fold", min_width=layout.type_width)
+    if not layout.stacked:
+        table.add_column(overflow="fold")
+    table.add_column(overflow="fold", min_width=layout.place_width)
+    for number, (title, listed) in enumerate(groups):
+        if number:
+            table.add_row()
+        table.add_row(Text(title, style="bold cyan"))
+        for row in listed:
+            style = "dim" if row.dim else ""
+            name = Text(f"  {printable(row.name)}", style=style or "bold")
+            places = [place_text(one, repository, links, layout.places[one]) for one in (row.location, *row.via)]
+            middle = [printable(row.type), printable(row.remark)]
+            if layout.stacked:
+                middle = ["\n".join(filter(None, middle))]
+            table.add_row(name, *(Text(text, style=style) for text in middle), Text("\nvia ", style="dim").join(places))
+    return table
+
+
+def place_text(location: "Location", repository: str, links: "Links", shown: str | None = None) -> "Text":
+    """Return a place as rich text with a link to the file."""
+    address = links.to(repository, location)
+    text = _where(location) if shown is None else shown
+    return Text(printable(text), style=f"dim link {address}" if address else "dim")
+
+
+def _where(location: "Location") -> str:
+    return f"{location.repository}:{location}" if location.repository else str(location)
+
+
+def _layout(rows: "Sequence[Row]", columns: int) -> "_Layout":
+    """Return the first layout that fits; the last one is folded if necessary."""
+    locations = list(dict.fromkeys(one for row in rows for one in (row.location, *row.via)))
+    forms = [dict(zip(locations, form, strict=True)) for form in shortened([_where(one) for one in locations])]
+    whole, without_shared, names = forms
+    remark = max(width(row.remark) for row in rows)
+    types = max(width(row.type) for row in rows)
+    sides = max(width(row.name) for row in rows) + 2 + types + _GAP
+    calls = len("via ") if any(row.via for row in rows) else 0
+    choices = ((whole, remark), (without_shared, remark), (names, min(remark, _LEAST_REMARK)))
+    for places, room in choices:
+        last = max(map(width, places.values())) + calls
+        if sides + room + 2 * _GAP + last <= columns:
+            return _Layout(places, types, last)
+    last = max(map(width, names.values())) + calls
+    return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)
 
 
 _MOST_PARAMETERS: Final = 25
 Name = Annotated[
     str,
-    typer.Argument(
-        metavar="NAME",
-        help="Name of a node, `package/node`, `repository:package/node`, or the absolute name of an instance.",
+    argument(
+        "NAME",
+        "Name of a node, `package/node`, `repository:package/node`, or the absolute name of an instance.",
         autocompletion=nodes,
     ),
 ]
-Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
+Code = Annotated[bool, option("--code", "Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
-    typer.Option(
-        "--picture",
-        metavar="[FILE.svg]",
-        help="Draw the node as SVG to this file; by default to standard output, or on a terminal to NODE.svg.",
+    option(
+        "--picture [FILE.svg]",
+        "Draw the node as SVG to this file; by default to standard output, or on a terminal to NODE.svg.",
     ),
 ]
 Graph = Annotated[
     bool,
-    typer.Option(
+    option(
         "--graph",
-        help="Show the node with its entities and named relations; with --picture as SVG, or to FILE.dot for Graphviz.",
+        "Show the node with its entities and named relations; with --picture as SVG, or to FILE.dot for Graphviz.",
     ),
 ]
 
@@ -80,9 +164,9 @@ class NodeCommand(KgCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse, with an empty file behind `--picture` where what follows is no file of a picture."""
         spread: list[str] = []
-        for argument, following in pairwise([*args, ""]):
-            spread.append(argument)
-            if argument == "--picture" and not (following.endswith((".svg", ".dot")) or following == "-"):
+        for word, following in pairwise([*args, ""]):
+            spread.append(word)
+            if word == "--picture" and not (following.endswith((".svg", ".dot")) or following == "-"):
                 spread.append("")
         return super().parse_args(ctx, spread)
 
@@ -144,7 +228,6 @@ def node(  # noqa: PLR0913 - the options of a command
 def _instance(  # noqa: PLR0913 - the options of the command
     settings: Settings, name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
 ) -> None:
-    """Show what one launch file makes of a node."""
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
         names = system_names(snapshot, named=[chosen])
@@ -164,7 +247,6 @@ def _instance(  # noqa: PLR0913 - the options of the command
 
 
 def _show(record: "NodeRecord", inferred: "Classes", links: "Links", *, every: bool, via: bool) -> None:
-    from kg.cli.node_view import node_view  # noqa: PLC0415 - start-up time
 
     most = _MOST_PARAMETERS if terminal() else None
     show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=inferred))
@@ -211,13 +293,13 @@ def instance_view(
     ]
     groups += [("remappings, from and to", remaps), ("parameters", settings)]
     nonempty = [(title, rows) for title, rows in groups if rows]
-    parts: list[RenderableType] = list(_header(system, instance))
+    parts: list[RenderableType] = list(_instance_header(system, instance))
     if nonempty:
         parts += [Text(), interface_table(nonempty, repository, links, columns)]
     return tuple(parts)
 
 
-def _header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
+def _instance_header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
     started = instance.started
     yield Text.assemble((printable(instance.name), "bold"), f"  {started.kind} of ROS {system.configuration.ros}")
     fields = (
@@ -234,7 +316,7 @@ def _header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
             yield Text.assemble((f"  {name:<9} ", "dim"), printable(value))
 
 
-def _end(end: "InstanceInterface", repository: str) -> Row:
+def _end(end: "InstanceInterface", repository: str) -> "Row":
     declared, location = end.declared, end.declared.location
     words = [
         f"{declared.name or declared.written} in the code" if declared.name != end.resolved else "",
@@ -248,3 +330,141 @@ def _end(end: "InstanceInterface", repository: str) -> Row:
     return Row(
         end.resolved or "(not resolved)", declared.type or "(type not known)", remark, location, declared.implicit
     )
+
+
+_MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
+_MOST_SOURCES: Final = 4
+
+
+def node_view(  # noqa: PLR0913 - what is shown, and how much of it
+    record: "NodeRecord",
+    links: "Links",
+    columns: int,
+    *,
+    every: bool,
+    via: bool = False,
+    most: int | None = None,
+    classes: "Classes | None" = None,
+) -> "tuple[RenderableType, ...]":
+    """Return the output for a node at a width in columns; `every` adds the endpoints of frameworks.
+
+    `via` adds the calls from a line of the node's package to the framework, if they are in other files. `most` limits
+    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules.
+
+    If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
+    """
+    parts: list[RenderableType] = list(_type_header(record, links))
+    found = classes or Classes()
+    parts.append(Text.assemble(_field("function", ""), _listed(found.functions) if found.functions else "unknown"))
+    if found.hardware or found.devices:
+        parts.append(Text.assemble(_field("hardware", ""), _listed((*found.hardware, *found.devices))))
+    texts = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
+    for one in texts:
+        place = Text.assemble(("  ", "dim"), place_text(one.location, record.repository, links))
+        parts += [Text(), Padding(Text(printable(one.text)), (0, 0, 0, 2)), place]
+    if len(texts) < len(record.descriptions):
+        hidden = count(len(record.descriptions) - len(texts), "more text")
+        parts.append(Text(f"  and {hidden}; --all shows all", style="dim"))
+    groups = _groups(record.node, every=every, via=via)
+    if record.node.slots:
+        groups.append(("plugins it loads", [_slot(one, record, via=via) for one in record.node.slots]))
+    if groups:
+        parts += [Text(), interface_table(groups, record.repository, links, columns)]
+    # One row per parameter, even if code reads and writes it at many places.
+    by_name = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
+    parameters = [_parameter(group, via=via) for group in by_name]
+    shown = parameters if every else parameters[:most]
+    if shown:
+        parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
+    if len(shown) < len(parameters):
+        parts.append(Text(f"  and {len(parameters) - len(shown):,} more; --all shows them", style="dim"))
+    return tuple(parts)
+
+
+def node_lines(record: "NodeRecord", where: "Places", *, every: bool) -> "tuple[Text, ...]":
+    """Return the statements of a node, its interfaces and parameters, by place, each below its place."""
+    node = record.node
+    locations = {node.location, *(one.location for one in node.slots)}
+    locations.update(one.location for one in node.interfaces if every or not one.implicit)
+    locations.update(one.location for one in node.parameters if every or not one.implicit)
+    lines = []
+    for place in sorted(locations, key=lambda one: (one.repository or "", one.path, one.line)):
+        if code := quoted(where.code(record.repository, place, whole=True)):
+            lines += [Text(str(place), style="dim"), Text(f"  {printable(code)}")]
+    return (Text(), Text("lines of code", style="bold cyan"), *lines) if lines else ()
+
+
+def left_out(node: NodeType) -> int:
+    """Return the number of implicit entries of a node."""
+    return sum(one.implicit for one in node.interfaces) + sum(one.implicit for one in node.parameters)
+
+
+def _type_header(record: "NodeRecord", links: "Links") -> "Iterable[Text]":
+    node = record.node
+    language = LANGUAGES.get(node.language, node.language)
+    yield Text.assemble((printable(node.name), "bold"), f"  {language} {node.kind} for ROS {node.ros}")
+    commit = f" at {record.commit[:12]}" if record.commit else ""
+    yield _field("package", f"{record.package} ({record.repository}{commit})")
+    start = how_to_start(record)
+    if start:
+        yield _field("start", start)
+    elif node.kind is NodeKind.CLASS:
+        yield _field("start", "not on its own: a class that programs instantiate as nodes")
+    if node.plugin:
+        text = _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
+        if node.exported is not None:
+            text = text.append(" by ", style="dim").append_text(place_text(node.exported, record.repository, links))
+        yield text
+    if node.node_name and node.node_name != node.name:
+        yield _field("name", f"calls itself {node.node_name}")
+    yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
+    for bound in node.bounds:
+        text = Text.assemble(_field("cut short", f"by the limit of {bound.limit} at "))
+        yield text.append_text(place_text(bound.location, record.repository, links))
+    others = [path for path in node.sources if path != node.location.path]
+    if others:
+        yield _field("sources", some(others, _MOST_SOURCES))
+
+
+def _listed(classes: "Iterable[Class]") -> "Text":
+    """Return classes, the weak ones dimmed."""
+    return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in classes)
+
+
+def _field(name: str, value: str) -> "Text":
+    return Text.assemble((f"  {name:<9} ", "dim"), printable(value))
+
+
+def _groups(node: NodeType, *, every: bool, via: bool) -> "list[tuple[str, list[Row]]]":
+    groups: list[tuple[str, list[Row]]] = []
+    for role in Role:
+        chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
+        if chosen:
+            chosen.sort(key=lambda one: one.implicit)
+            rows = []
+            for one in chosen:
+                name = one.name if one.name is not None else "(not resolved)"
+                kind, calls = one.type or "(type not known)", one.via if via else ()
+                rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
+            groups.append((role.heading, rows))
+    return groups
+
+
+def _slot(fact: PluginSlot, record: "NodeRecord", *, via: bool) -> "Row":
+    shown = []
+    for one in fact.defaults:
+        plugin = record.plugins.get(one.class_name)
+        named = f"{one.name}: {one.class_name}" if one.name else one.class_name
+        shown.append(f"{named} ({plugin[0].package}/{plugin[0].node})" if plugin is not None else named)
+    remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
+    return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
+
+
+def _parameter(facts: "Sequence[Parameter]", *, via: bool) -> "Row":
+    first = facts[0]
+    default = next((one.default for one in facts if one.default is not None), None)
+    kind = next((one.type for one in facts if one.type), "")
+    words = [f"= {default}" if default is not None else "", accesses(facts)]
+    name = first.name if first.name is not None else "(not resolved)"
+    remark, calls = "  ".join(word for word in words if word), first.via if via else ()
+    return Row(name, kind, remark, first.location, first.implicit, calls)

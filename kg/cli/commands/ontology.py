@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from kg.cli.diagnostics import report, say
-from kg.cli.options import Json, OutputFile, with_settings
+from kg.cli.options import Json, OutputFile, argument, option, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal, write, write_text
 from kg.errors import Exit
 from kg.lazily import lazily
@@ -20,10 +20,8 @@ with lazily():
 
     from kg.graph import ontology
 
-Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
-Shapes = Annotated[
-    str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg ships.")
-]
+Files = Annotated[list[str] | None, argument("FILE", "Ontologies; by default those that kg ships.")]
+Shapes = Annotated[str | None, option("--shapes FILE", "SHACL shapes; by default those that kg ships.")]
 
 
 def check(files: Files = None, *, json: Json = False) -> None:

@@ -1,68 +1,78 @@
 """`kg query`: SPARQL typed, from a file, or stored under a name."""
 
+import re
 import shlex
+import sys
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, from_setting, takes
-from kg.cli.output import Column, json_lines, listing, terminal, write
-from kg.cli.query_text import pairs, resolve_query
-from kg.cli.session import session
+from kg.cli.options import Json, argument, from_setting, option, session, takes
+from kg.cli.output import (
+    Column,
+    Linked,
+    fitted,
+    json_lines,
+    line_width,
+    listing,
+    print_table,
+    terminal,
+    write,
+    write_bytes,
+)
+from kg.errors import QueryError, UsageError
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, width
 from kg.settings import DECLARED, Settings
+from kg.similar import did_you_mean
 from kg.store.opening import reading_all
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
-    from kg.query.stored import StoredQuery
+    from kg.query.result import Result
     from kg.store.snapshot import EmbeddedSnapshot
+
 
 with lazily():
     from pyoxigraph import Literal
 
-    from kg.cli.answers import answer, format_for, is_empty
     from kg.cli.links import Links
     from kg.cli.progress import waiting
     from kg.graph.source_states import sources
     from kg.pipeline.on_demand import with_family
-    from kg.query.ask import ask, suggestion
+    from kg.query.core import ask, suggestion
     from kg.query.evaluation import prepare
-    from kg.query.stored import TermText, discover
+    from kg.query.formats import write as written
+    from kg.query.result import Boolean, Graph, Solutions
+    from kg.query.stored import QueryParameter, StoredQuery, TermText, discover, find, read
     from kg.query.terms import unknown_terms
+    from kg.query.writing import parquet
+    from kg.query.writing.values import display, plain
     from kg.views import whole
     from kg.views.stored import query_object
 
 
 Text = Annotated[
     str | None,
-    typer.Argument(
-        metavar="QUERY",
-        help="SPARQL, or the name of a stored query; - reads it from standard input.",
-        autocompletion=query_names,
+    argument(
+        "QUERY", "SPARQL, or the name of a stored query; - reads it from standard input.", autocompletion=query_names
     ),
 ]
 Parameter = Annotated[
     list[str] | None,
-    typer.Option(
-        "--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term; may be repeated."
-    ),
+    option("--param NAME=VALUE", "Set a variable to a text, or with NAME:=TERM to a term; may be repeated."),
 ]
-Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
-HelpQuery = Annotated[bool, typer.Option("--help-query", help="Show the purpose and parameters of the stored query.")]
+Listed = Annotated[bool, option("--list -l", "List the stored queries.")]
+HelpQuery = Annotated[bool, option("--help-query", "Show the purpose and parameters of the stored query.")]
 OnDemand = Annotated[
-    str | None,
-    typer.Option(
-        "--on-demand", metavar="FAMILY", help="Also use the rules of this family, evaluated for this query only."
-    ),
+    str | None, option("--on-demand FAMILY", "Also use the rules of this family, evaluated for this query only.")
 ]
-File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the query from FILE.")]
+File = Annotated[str | None, option("--file -f FILE", "Read the query from FILE.")]
 Stores = Annotated[
     list[str] | None, from_setting("store", also="May be repeated: the query sees the union of all stores.")
 ]
@@ -107,7 +117,9 @@ def query(  # noqa: PLR0913 - the options of a command
     settings = session(context).settings(store=stores[-1] if stores else None, **given)
     if listed:
         stored_queries = discover(settings.queries).values()
-        listing(COLUMNS, list_rows(stored_queries), objects=map(query_object, stored_queries) if json else None)
+        columns = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
+        rows = [(one.name, one.title, " ".join(each.name for each in one.parameters)) for one in stored_queries]
+        listing(columns, rows, objects=map(query_object, stored_queries) if json else None)
         if terminal() and not json:
             note("`kg query NAME --help-query` shows one")
         return
@@ -142,7 +154,7 @@ def _answer(  # noqa: PLR0913 - the options of a query
             ask(snapshot, resolved, values, timeout=timeout, limit=limit) if stored_answer is None else stored_answer
         )
         suggestions: list[str] = []
-        if is_empty(result):
+        if not (result.value if isinstance(result, Boolean) else len(result)):
             value = suggestion(snapshot, resolved, values, timeout=timeout) if values else None
             suggestions = [*_terms(resolved, values), *([value] if value else unknown_terms(snapshot, resolved.text))]
         links = Links.of(sources(snapshot)) if chosen == "table" and terminal() else None
@@ -186,14 +198,6 @@ def _terms(resolved: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
             yield f"?{name} is the text {term}; for the term write --param {name}:={shlex.quote(written)}"
 
 
-COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))
-
-
-def list_rows(queries: "Iterable[StoredQuery]") -> list[tuple[str, str, str]]:
-    """Return a row for each query: name, purpose, parameters."""
-    return [(one.name, one.title, " ".join(parameter.name for parameter in one.parameters)) for one in queries]
-
-
 def manual(query: "StoredQuery") -> "Iterator[str]":
     """Yield the lines about one query, ending with its text."""
     yield f"{query.name}: {query.title}"
@@ -214,3 +218,115 @@ def manual(query: "StoredQuery") -> "Iterator[str]":
     yield ""
     lines = [line for line in query.text.splitlines() if not line.startswith("#")]
     yield from "\n".join(lines).strip().splitlines()
+
+
+def format_for(name: str) -> str:
+    """Return the format for the setting `format`; `auto` is a table for people and TSV for programs.
+
+    Raises QueryError: KG504 unknown format.
+    """
+    from kg.query.formats import ALIASES, GRAPH_FORMATS, SOLUTION_FORMATS  # noqa: PLC0415 - start-up time
+
+    if name == "auto":
+        return "table" if terminal() else "tsv"
+    full = ALIASES.get(name, name)
+    formats = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
+    if full not in formats:
+        near = did_you_mean(name, formats)
+        raise QueryError("KG504", f"unknown format `{name}`", hint=near or f"The formats are {', '.join(formats)}.")
+    return full
+
+
+def answer(result: "Result", name: str, *, automatic: bool = False, links: "Links | None" = None) -> None:
+    """Write a result in a format of `format_for`; an `automatic` format becomes Turtle for a graph.
+
+    Notes report the number of rows to people, and missing rows to everyone.
+    """
+    if name == "table" and isinstance(result, Solutions):
+        table(result, links)
+    elif name == "table" and isinstance(result, Boolean):
+        write("yes" if result.value else "no")
+    elif isinstance(result, Graph) and (automatic or name == "table"):
+        write_bytes(written(result, "turtle"))
+    elif name == parquet.NAME and terminal():
+        hint = "Send it to a file: `kg query ... --format parquet > answer.parquet`."
+        raise QueryError("KG504", "a terminal cannot show Parquet", hint=hint)
+    else:
+        write_bytes(written(result, name))
+    if isinstance(result, Boolean):
+        return
+    rows = count(len(result.rows), "row") if isinstance(result, Solutions) else count(len(result.triples), "triple")
+    if result.limit is not None:
+        note(f"only the first {rows} shown; --limit 0 shows all")
+    elif name == "table":
+        note(f"{rows} in {result.seconds:.3f} s")
+
+
+def table(result: "Solutions", links: "Links | None" = None) -> None:
+    """Write rows as a table: numbers aligned right, `?file` and `?line` as one place with a link."""
+    if not result.rows:
+        return
+    has_places = {"file", "line"} <= set(result.variables)
+    joined = {name: result.variables.index(name) for name in ("file", "line")} if has_places else {}
+    others = [index for index in range(len(result.variables)) if index not in joined.values()]
+    columns = []
+    for index in others:
+        values = [plain(row[index]) for row in result.rows if row[index] is not None]
+        numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+        columns.append(Column(result.variables[index], "number" if values and numeric else "text"))
+    rows: list[list[object]] = [[display(row[index]) for index in others] for row in result.rows]
+    if joined:
+        columns.append(Column("file:line", "dim"))
+        taken = sum(
+            max([width(columns[i].title), *(width(str(row[i])) for row in rows)]) + 3 for i in range(len(others))
+        )
+        _add_places(rows, result, joined, line_width() - taken, links)
+    print_table(columns, rows)
+
+
+def _add_places(
+    rows: list[list[object]], result: "Solutions", at: "Mapping[str, int]", room: int, links: "Links | None"
+) -> None:
+    places = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
+    shown = fitted([f"{file}:{line}" if line else file for file, line in places], room)
+    for row, (file, line), text in zip(rows, places, shown, strict=True):
+        address = links.find(file, int(line)) if links and line.isdigit() else None
+        row.append(Linked(text, address))
+
+
+_PAIR: Final = re.compile(r"\s*[?$]?(?P<name>[^=:\s]+)\s*(?P<sign>:?=)(?P<value>.*)", re.DOTALL)
+_NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
+
+
+def pairs(given: list[str]) -> dict[str, str]:
+    """Return the values of parameters given as `name=value`, or as `name:=term`."""
+    values: dict[str, str] = {}
+    for pair in given:
+        match = _PAIR.fullmatch(pair)
+        if match is None:
+            hint = "Write --param NAME=VALUE, or NAME:=TERM."
+            raise UsageError("KG003", f"`{pair}` is not a parameter", hint=hint)
+        if match["name"] in values:
+            raise UsageError("KG003", f"the parameter {match['name']} is given twice", hint="Give it one value.")
+        values[match["name"]] = TermText(match["value"]) if match["sign"] == ":=" else match["value"]
+    return values
+
+
+def resolve_query(text: str | None, file: Path | None, settings: Settings) -> "StoredQuery":
+    """Return the query of the arguments: typed, from a file or standard input, or stored under a name."""
+    if (text is None) == (file is None):
+        raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
+    if text == "-" or str(file) == "-":
+        return _typed(sys.stdin.read().removeprefix("\ufeff"), "standard input")
+    if file is not None:
+        return read(file, str(file))
+    if text and _NAME.fullmatch(text):
+        return find(text, settings.queries)
+    return _typed(text or "", "query")
+
+
+def _typed(text: str, place: str) -> "StoredQuery":
+    """Return an ad-hoc query; each of its variables may be a parameter."""
+    names = dict.fromkeys(re.findall(r"[?$](\w+)", text))
+    parameters = tuple(QueryParameter(name, "string", "", "", None) for name in names)
+    return StoredQuery("that was given", Path(place), "", "", parameters, text)

@@ -1,32 +1,35 @@
 """`kg robot run`, `check` and `convert`: programs for robots."""
 
-from typing import TYPE_CHECKING, Annotated
+import json as as_json
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kg.cli.diagnostics import note, report
-from kg.cli.options import Exclusive, Json, is_given, with_settings
-from kg.cli.output import json_lines, write
+from kg.cli.diagnostics import colored, dim, note, report
+from kg.cli.options import Exclusive, Json, argument, is_given, option, with_settings
+from kg.cli.options import seconds as number_of_seconds
+from kg.cli.output import json_lines, json_value, write
 from kg.cli.systems import Arguments, Environment, Launch, given
-from kg.errors import Exit, UsageError
+from kg.errors import Exit, Place, RobotError, UsageError
 from kg.lazily import lazily
+from kg.render.text import count, printable
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
-    from kg.robot.programs.events import Ended
     from kg.robot.programs.places import Places as PlacesByName
+
 
 with lazily():
     import asyncio
 
     from msgspec import to_builtins
 
+    from kg.cli.commands.robot import report_problems
     from kg.cli.interruptible import interruptible
-    from kg.cli.numbers import seconds as number_of_seconds
-    from kg.cli.program_view import Log, error_at, read, show_problems
-    from kg.cli.robot_view import report_problems
     from kg.robot.connecting import address_of
     from kg.robot.live.asking import launched
     from kg.robot.live.asking import running as of_running
@@ -34,28 +37,27 @@ with lazily():
     from kg.robot.programs.check import check as problems_of
     from kg.robot.programs.check import doubts
     from kg.robot.programs.converting import convert as code_of
-    from kg.robot.programs.files import encode, load, load_tree
+    from kg.robot.programs.events import Ended, Problem
+    from kg.robot.programs.files import Loaded, encode, load, load_tree
     from kg.robot.programs.metrics import code_metrics, foreign_types
     from kg.robot.programs.metrics import metrics as program_metrics
     from kg.robot.programs.places import placed, read_places
     from kg.robot.programs.runner import execute, limited, seen
+    from kg.robot.programs.tree import statements
     from kg.robot.programs.trees import behavior_tree
+    from kg.robot.programs.write import headline
     from kg.robot.programs.write import write as text_of
+
 
 _FORMS = ("text", "json", "rospy", "rclpy", "bt")
 _TREE = ".xml"
 
-Program = Annotated[
-    str, typer.Argument(metavar="PROGRAM", help="Program as text (`.kgp`) or JSON (`.json`).", show_default=False)
-]
-DryRun = Annotated[bool, typer.Option("--dry-run", "-n", help="Print what would be sent, without moving the robot.")]
-Seconds = Annotated[
-    str | None,
-    typer.Option("--seconds", metavar="S", help="Stop the program after this many seconds of the robot's time."),
-]
-To = Annotated[str, typer.Option("--to", metavar="FORM", help=f"One of {', '.join(_FORMS)}.", show_default=True)]
-Ids = Annotated[bool, typer.Option("--ids", help="Keep the names of blocks in text, after `@`.")]
-Metrics = Annotated[bool, typer.Option("--metrics", help="Write metrics of the program or the code instead.")]
+Program = Annotated[str, argument("PROGRAM", "Program as text (`.kgp`) or JSON (`.json`).", show_default=False)]
+DryRun = Annotated[bool, option("--dry-run -n", "Print what would be sent, without moving the robot.")]
+Seconds = Annotated[str | None, option("--seconds S", "Stop the program after this many seconds of the robot's time.")]
+To = Annotated[str, option("--to FORM", f"One of {', '.join(_FORMS)}.", show_default=True)]
+Ids = Annotated[bool, option("--ids", "Keep the names of blocks in text, after `@`.")]
+Metrics = Annotated[bool, option("--metrics", "Write metrics of the program or the code instead.")]
 
 
 @with_settings("robot", "places", "watchdog", "rules", "rule_families", "store")
@@ -134,10 +136,8 @@ def check(  # noqa: PLR0913 - the options of a command
 
 Convertible = Annotated[
     str,
-    typer.Argument(
-        metavar="PROGRAM",
-        help="Program as text (`.kgp`) or JSON (`.json`), or a behaviour tree (`.xml`).",
-        show_default=False,
+    argument(
+        "PROGRAM", "Program as text (`.kgp`) or JSON (`.json`), or a behaviour tree (`.xml`).", show_default=False
     ),
 ]
 
@@ -213,3 +213,96 @@ def _context(
     graph, places = asyncio.run(seen(address))
     report_problems(graph)
     return of_running(graph, settings, address).capabilities, {**places, **own}, graph
+
+
+def read(path: str, *, json: bool) -> "Loaded":
+    """Return the program in a file; with `json`, a syntax error is written like any other problem.
+
+    Raises:
+        typer.Exit: with `json`, the file is not a program.
+        KGError: those of `load`.
+    """
+    try:
+        return load(path)
+    except RobotError as error:
+        if not json:
+            raise
+        problem = Problem.of(error, "", None)
+        json_lines([_problem_object(problem, path, error.place or Place(path))])
+        raise typer.Exit(Exit.FOUND) from error
+
+
+def error_at(problem: "Problem", loaded: "Loaded") -> RobotError:
+    """Return a problem as an error at its place in the file."""
+    return RobotError(problem.code, problem.message, place=loaded.place(problem.path), hint=problem.hint)
+
+
+def show_problems(problems: "Sequence[Problem]", loaded: "Loaded", *, json: bool) -> None:
+    """Write problems of a program: as text on standard error, or one object each on standard output."""
+    if json:
+        json_lines(_problem_object(problem, loaded.path, loaded.place(problem.path)) for problem in problems)
+        return
+    for problem in problems:
+        report(error_at(problem, loaded), problem.severity)
+
+
+def _problem_object(problem: "Problem", file: str, place: Place) -> dict[str, Any]:
+    return {
+        "severity": problem.severity,
+        "code": problem.code,
+        "message": problem.message,
+        "hint": problem.hint,
+        "id": problem.id,
+        "path": problem.path,
+        "file": file,
+        "line": place.line,
+        "column": place.column,
+    }
+
+
+class Log:
+    """Writes the events of a program: lines with the time, or objects."""
+
+    def __init__(self, loaded: "Loaded", *, json: bool) -> None:
+        """Index the statements by their paths."""
+        self._loaded = loaded
+        self._json = json
+        self._heads = {path: headline(one) for path, one in statements(loaded.program.body)}
+        self._color = colored(sys.stdout)
+
+    def __call__(self, event: dict[str, Any]) -> None:
+        """Write an event."""
+        if self._json:
+            json_lines([json_value(event)])
+        else:
+            text = self._words(event)
+            if text is not None:
+                time = dim(f"{event['at']:9.3f} s", color=self._color)
+                write(f"{time}  {printable(text)}")
+        sys.stdout.flush()
+
+    def _words(self, event: dict[str, Any]) -> str | None:
+        path = event.get("path", "")
+        match event["event"]:
+            case "enter":
+                line = self._loaded.place(path).line
+                return f"{line or path}: {self._heads[path]}"
+            case "value":
+                value = event["value"] if not isinstance(event["value"], float) else f"{event['value']:.4g}"
+                return f"  {event['parameter']} of {event['capability']} = {value} {event.get('unit', '')}".rstrip()
+            case "set":
+                return f"  {event['variable']} = {event['shown']}"
+            case "log":
+                return f"  {event['message']}"
+            case "warning":
+                return f"  warning[{event['code']}]: {event['message']}"
+            case "event":
+                return f"  it happened: {self._heads[path]}"
+            case "planned":
+                value = as_json.dumps(json_value(event["value"]))
+                return f"  would send to {event['kind']} {event['name']} ({event['type']}): {value}"
+            case "paused" | "resumed":
+                return str(event["event"])
+            case "done" | "stopped" | "failed" | "cancelled":
+                return f"{event['event']} after {count(event['statements'], 'statement')}"
+        return None

@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.numbers import factor, whole
-from kg.cli.numbers import seconds as number_of_seconds
-from kg.cli.options import Store, require_one_of
-from kg.cli.session import session
+from kg.cli.options import Store, argument, factor, option, require_one_of, session, whole
+from kg.cli.options import seconds as number_of_seconds
 from kg.errors import StoreError, UsageError
 from kg.lazily import lazily
 
@@ -34,20 +32,15 @@ with lazily():
     from kg.robot.simulation.running import simulate as run_simulation
     from kg.store.opening import layout_of
 
-World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot), `drone` or `arm`.")]
-Master = Annotated[
-    str | None,
-    typer.Option("--master", metavar="ADDRESS", help="Join this system: ros1://HOST:PORT, dds://DOMAIN."),
-]
-Port = Annotated[str, typer.Option("--port", metavar="N", help="Port of the ROS master; 0 picks a free one.")]
-Ros2 = Annotated[bool, typer.Option("--ros2", help="Use ROS 2 over DDS.")]
-Speed = Annotated[str, typer.Option("--speed", metavar="N", help="Speed as a multiple of real time, or `max`.")]
-Seconds = Annotated[str | None, typer.Option("--seconds", metavar="S", help="Stop after this many simulated seconds.")]
-Seed = Annotated[str, typer.Option("--seed", metavar="N", help="Seed of the noise.")]
-Exercise = Annotated[
-    str | None, typer.Option("--exercise", metavar="N", help="Begin where this exercise (1 to 4) of onto-ros begins.")
-]
-Page = Annotated[bool, typer.Option("--page", help="Also show the robot on a page of `kg serve`.")]
+World = Annotated[str, argument("WORLD", "`office` (a wheeled robot), `drone` or `arm`.")]
+Master = Annotated[str | None, option("--master ADDRESS", "Join this system: ros1://HOST:PORT, dds://DOMAIN.")]
+Port = Annotated[str, option("--port N", "Port of the ROS master; 0 picks a free one.")]
+Ros2 = Annotated[bool, option("--ros2", "Use ROS 2 over DDS.")]
+Speed = Annotated[str, option("--speed N", "Speed as a multiple of real time, or `max`.")]
+Seconds = Annotated[str | None, option("--seconds S", "Stop after this many simulated seconds.")]
+Seed = Annotated[str, option("--seed N", "Seed of the noise.")]
+Exercise = Annotated[str | None, option("--exercise N", "Begin where this exercise (1 to 4) of onto-ros begins.")]
+Page = Annotated[bool, option("--page", "Also show the robot on a page of `kg serve`.")]
 
 
 def simulate(  # noqa: PLR0913 - the options of a command
@@ -78,14 +71,7 @@ def simulate(  # noqa: PLR0913 - the options of a command
         kg robot simulate arm --page
     """
     choice = chosen(
-        world,
-        master=master,
-        port=port,
-        ros2=ros2,
-        speed=speed,
-        seconds=seconds,
-        seed=seed,
-        exercise=exercise,
+        world, master=master, port=port, ros2=ros2, speed=speed, seconds=seconds, seed=seed, exercise=exercise
     )
     interruptible(simulated(choice, session(context).settings(store=store) if page else None))
 

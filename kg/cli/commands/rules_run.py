@@ -1,13 +1,12 @@
-"""`kg rules run`: infer, and write what follows into the store."""
+"""`kg rules run`, and reports: `plan`, `graph`, `profile` and `coverage`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
-import typer
-
+from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, UpdateUrl, with_settings
-from kg.cli.output import Column, json_lines, listing, terminal
+from kg.cli.options import Json, OutputFile, UpdateUrl, option, require_one_of, with_settings
+from kg.cli.output import Column, json_line, json_lines, listing, numbers, show, terminal, write_text
 from kg.cli.supervising import supervise
 from kg.errors import UsageError
 from kg.lazily import lazily
@@ -17,47 +16,44 @@ from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from kg.rules.remote.running import RemoteReport
-    from kg.rules.reports import RunReport
+
 
 with lazily():
+    from kg.cli.commands.rules import coverage_lines, element_table, gap_words, run_words, share_rows, work_words
     from kg.cli.progress import waiting
-    from kg.cli.rules_view import run_words, share_rows, work_words
     from kg.pipeline import inferring
+    from kg.pipeline.authoring import attempt
     from kg.pipeline.inferring import unchanged
+    from kg.pipeline.reasoning import division, ontology_schema, rules_over
+    from kg.rules.authoring.coverage import cover, coverage_objects
+    from kg.rules.authoring.graph import graph_objects, graph_picture, mermaid, rule_graph
+    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.naming import choose
+    from kg.rules.authoring.profiling import profile as profiled
+    from kg.rules.authoring.profiling import profile_objects
     from kg.rules.authoring.runs import remote_objects, remote_strata, rule_runs, run_objects, shares
     from kg.rules.engine.limits import Limits
-    from kg.rules.reports import nothing_changed
+    from kg.rules.partitions import verdicts
+    from kg.rules.reports import RunReport, nothing_changed
+    from kg.store.opening import reading
+
 
 _CHANGES: Final = (Column("rule", "name"), Column("added", "number"), Column("removed", "number"))
 _COLUMNS: Final = (
     Column("rule", "name"),
-    Column("derived", "number"),
-    Column("seconds", "number"),
+    *numbers("derived", "seconds"),
     Column("rounds", "number", spare=1),
     Column("stratum", "number", spare=1),
 )
-_REMOTE_COLUMNS: Final = (
-    Column("stratum", "number"),
-    Column("derived", "number"),
-    Column("rounds", "number"),
-    Column("seconds", "number"),
-    Column("rules"),
-)
+_REMOTE_COLUMNS: Final = (*numbers("stratum", "derived", "rounds", "seconds"), Column("rules"))
 
-Full = Annotated[bool, typer.Option("--full", help="Evaluate everything again, not only what changed.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Write nothing.")]
-Remote = Annotated[str | None, typer.Option("--remote", metavar="URL", help="Run on this SPARQL 1.1 server.")]
-Verbose = Annotated[
-    bool, typer.Option("--all", "--verbose", "-v", help="Show the results of each rule and the time of each step.")
-]
-Data = Annotated[
-    list[str] | None,
-    typer.Option("--data", metavar="FILE", help="Infer from this RDF file instead; may be repeated."),
-]
-Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Output of --data, as N-Triples.")]
-MaxTriples = Annotated[
-    str | None, typer.Option("--max-triples", metavar="N", help="Stop if more than N triples are inferred.")
-]
+Full = Annotated[bool, option("--full", "Evaluate everything again, not only what changed.")]
+DryRun = Annotated[bool, option("--dry-run", "Write nothing.")]
+Remote = Annotated[str | None, option("--remote URL", "Run on this SPARQL 1.1 server.")]
+Verbose = Annotated[bool, option("--all --verbose -v", "Show the results of each rule and the time of each step.")]
+Data = Annotated[list[str] | None, option("--data FILE", "Infer from this RDF file instead; may be repeated.")]
+Output = Annotated[str | None, option("--output -o FILE", "Output of --data, as N-Triples.")]
+MaxTriples = Annotated[str | None, option("--max-triples N", "Stop if more than N triples are inferred.")]
 
 
 @with_settings("memory", "rules", "rule_families", "timeout", "store")
@@ -168,3 +164,153 @@ def _show_remote(report: "RemoteReport", *, json: bool) -> None:
     ]
     listing(_REMOTE_COLUMNS, rows)
     say(f"{count(report.inferred, 'triple')} inferred on the server in {report.seconds:.2f} s")
+
+
+_FORMATS: Final = ("svg", "mermaid", "json")
+_ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".json": "json", ".jsonl": "json"}
+_PROFILE: Final = (
+    Column("rule", "name"),
+    Column("seconds", "number"),
+    Column("share", "number", spare=1),
+    *numbers("derived", "rounds"),
+    Column("stratum", "number", spare=1),
+    Column("rules", "number", spare=1),
+)
+_COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("never"))
+
+Cluster = Annotated[bool, option("--cluster", "For a graph divided by source; the only plan so far.")]
+Form = Annotated[str | None, option("--format FORMAT", f"One of {', '.join(_FORMATS)}.")]
+
+
+@with_settings("rules", "rule_families")
+def graph(
+    chosen: Chosen = None, *, settings: Settings, output: OutputFile = None, form: Form = None, json: Json = False
+) -> None:
+    """Draw which rules feed which, as SVG, Mermaid or JSON.
+
+    Each rule is drawn after its inputs, with its stratum. A dashed line with a bar leads to a rule that uses negation
+    or aggregation. Named rules are drawn with the rules that feed them and those that they feed. For example:
+
+        kg rules graph -o rules.svg
+        kg rules graph communication --format mermaid
+    """
+    form = _form("json" if json else form, output)
+    library = Library.of(settings)
+    entries = choose(library, chosen or ())
+    drawn = rule_graph(library.with_those_in_force(entries), ontology_schema(settings))
+    if chosen:
+        drawn = drawn.around({entry.name for entry in entries})
+    if form == "json":
+        text = "".join(json_line(each) for each in graph_objects(drawn))
+    elif form == "mermaid":
+        text = mermaid(drawn)
+    else:
+        text = graph_picture(drawn, f"Rules: {', '.join(chosen)}" if chosen else "Rules")
+    write_text(text, output)
+    if output and output != "-":
+        say(f"wrote {output}: {count(len(drawn.rules), 'rule')}")
+
+
+@with_settings("rules", "rule_families", "base", "store")
+def plan(
+    *,
+    settings: Settings,
+    cluster: Cluster = True,  # noqa: ARG001 - the only plan there is
+    json: Json = False,
+) -> None:
+    """Show which rules can run on each source alone, and why not.
+
+    A graph that is divided among machines has each source, with its launch files, in one part, and a copy of the
+    ontologies and of what sources share in each. A local rule infers the same from the parts as from the whole. The
+    others need a join over all parts. Which properties stay within a source is read from the store. For example:
+
+        kg rules plan --cluster
+        kg rules plan --json
+    """
+    with reading(settings) as snapshot:
+        parts, asserted = division(settings, snapshot)
+        judged = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
+    objects = (
+        {"rule": one.rule.name, "part": one.rule.part, "local": one.is_local, "why": one.reason} for one in judged
+    )
+    rows = [(str(one.rule), "a source" if one.is_local else "all together", one.reason) for one in judged]
+    listing((Column("rule", "name"), Column("needs"), Column("why")), rows, objects=objects if json else None)
+    local = sum(one.is_local for one in judged)
+    note(f"{local:,} of {count(len(judged), 'rule')} are local to a source")
+    if parts.number < 2:  # noqa: PLR2004 - one source shows no property that leads to another
+        note("the store has one source; only one with several shows which properties lead from one to another")
+
+
+def _form(form: str | None, output: str | None) -> str:
+    """Return the format that is asked for, or that the ending of the file names; SVG without either."""
+    if form is None:
+        ending = Path(output or "").suffix
+        if ending and ending not in _ENDINGS:
+            hint = f"Write to {', '.join(f'*{suffix}' for suffix in _ENDINGS)}, or name one of them with --format."
+            raise UsageError("KG003", f"unsupported picture format `{ending}`", hint=hint)
+        return _ENDINGS.get(ending, "svg")
+    require_one_of(form, _FORMATS, "format")
+    return form
+
+
+@with_settings("rules", "rule_families", "timeout", "store")
+def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
+    """Run the rules in memory and show their cost, most expensive first.
+
+    Shows seconds, triples and rounds. Nothing is written. For named rules, also shows the cost of each part of their
+    bodies: the rows before and after it. For example:
+
+        kg rules profile
+        kg rules profile communication/feeds
+    """
+    with attempt(settings, chosen or ()) as trial:
+        profiled_run = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
+    if json:
+        json_lines(profile_objects(profiled_run))
+        return
+    detailed = [rule for rule in profiled_run.rules if rule.elements]
+    total = sum(rule.seconds for rule in profiled_run.rules) or 1.0
+    rows = [
+        (
+            rule.name,
+            f"{rule.seconds:.4f}",
+            f"{rule.seconds / total:.0%}",
+            rule.derived,
+            rule.rounds,
+            rule.stratum,
+            rule.rules,
+        )
+        for rule in (detailed or profiled_run.rules)
+    ]
+    listing(_PROFILE, rows)
+    for rule in detailed:
+        show(*element_table(rule))
+    seconds = f"{profiled_run.reading:.2f} s reading, {profiled_run.evaluating:.2f} s evaluating"
+    say(f"{count(profiled_run.asserted, 'triple')} read, {profiled_run.inferred:,} inferred: {seconds}")
+    if terminal() and not detailed:
+        note("`kg rules profile NAME` shows the parts of one")
+
+
+@with_settings("rules", "rule_families", "timeout", "store")
+def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> None:
+    """Show the rules, and parts of rules, that never matched in this store.
+
+    Parts are the elements of bodies and the triples of heads. A rule with UNION or OPTIONAL counts as several. For a
+    rule that never fires, shows the first element without matches. For example:
+
+        kg rules coverage
+        kg rules coverage capability
+    """
+    with attempt(settings, chosen or ()) as trial:
+        covered = cover(trial.bench, trial.files, trial.chosen, trial.limits)
+    if json:
+        json_lines(coverage_objects(covered))
+        return
+    lacking = [rule for rule in covered.rules if rule.gaps]
+    if terminal():
+        for rule in lacking:
+            show(*coverage_lines(rule))
+    else:
+        listing(_COVERAGE, [(rule.name, rule.parts, rule.covered, "; ".join(gap_words(rule))) for rule in lacking])
+    fired = f"{covered.fired:,} of {count(len(covered.rules), 'rule')} fired"
+    say(f"{fired}; {covered.share:.0%} of their parts did something")

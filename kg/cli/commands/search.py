@@ -8,40 +8,41 @@ import typer
 
 from kg.cli.completion import features
 from kg.cli.diagnostics import note
-from kg.cli.numbers import whole
-from kg.cli.options import Json, PackageName, with_options, with_settings
-from kg.cli.output import Column, listing, terminal
-from kg.cli.search_view import narrow, report_reading, row, show_hits
+from kg.cli.options import Json, PackageName, argument, option, whole, with_options, with_settings
+from kg.cli.output import Column, folded, listing, show, terminal, unfolded
 from kg.errors import Exit, UsageError
+from kg.facts import Location
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, printable, some
 from kg.search.options import FILTERS
 from kg.settings import Settings
 from kg.store.opening import existing, reading, reading_with_cache
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
-    from kg.search.searching import Search
 
 with lazily():
+    import click
+    from rich.text import Text
+
     from kg.cli.links import Links
     from kg.graph.source_states import sources
-    from kg.search.searching import hit_object, open_search, search_of
-    from kg.search.wording import near
+    from kg.search.searching import Answer, Hit, Search, hit_object, open_search, search_of
+    from kg.search.wording import Question, near, question, understood, unknown
+
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
-Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
+Words = Annotated[list[str] | None, argument("TEXT", "What the node does, in words.")]
 FILTER_OPTIONS: Final = {
     one.name: Annotated[
-        list[str] | None,
-        typer.Option(f"--{one.name}", metavar=one.metavar, help=one.sentence, autocompletion=features(one.name)),
+        list[str] | None, option(f"--{one.name} {one.metavar}", one.sentence, autocompletion=features(one.name))
     ]
     for one in FILTERS.values()
     if one.name != "package"  # an option that other commands have too
 }
-Interactive = Annotated[bool, typer.Option("--interactive", "-i", help="Narrow the hits by questions.")]
-Most = Annotated[str, typer.Option("--limit", "-n", metavar="N", help="Number of hits to show.")]
+Interactive = Annotated[bool, option("--interactive -i", "Narrow the hits by questions.")]
+Most = Annotated[str, option("--limit -n N", "Number of hits to show.")]
 
 
 @with_options(FILTER_OPTIONS)
@@ -107,3 +108,111 @@ def _opened(settings: Settings) -> "Iterator[Search]":
 def _indexing() -> None:
     if sys.stderr.isatty():
         note("indexing the store (once after each change)")
+
+
+_REASONS: Final = 3
+_MOST: Final = 4  # maximum number of copies and variants listed for a hit
+
+
+def row(hit: "Hit") -> tuple[object, ...]:
+    """Return the cells of a hit: rank, score, package, node, why, also in, file:line."""
+    why = "; ".join(str(reason) for reason in hit.why[:_REASONS])
+    declared = f"{hit.node.path}:{hit.node.line}"
+    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), declared
+
+
+def show_hits(hits: "Iterable[Hit]", links: "Links") -> None:
+    """Write hits for people: each with its reasons and the lines of code behind them, as links."""
+    for hit in hits:
+        if hit.rank > 1:
+            show("")
+        version = hit.node.ros or hit.package.ros
+        about = ", ".join([hit.node.kind, *([f"ROS {version}"] if version else []), hit.package.repository])
+        head = f"{hit.rank}. {hit.package.name}/{hit.name}"
+        show(unfolded(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
+        for text, place in _statements(hit):
+            address = links.to(hit.package.repository, place) if place else None
+            style = f"green link {address}" if address else "green"
+            where = Text(printable(str(place)), style=style) if place else None
+            show(*folded(Text(printable(text)), where, Text(" " * 3), Text(" " * 5)))
+
+
+def _statements(hit: "Hit") -> "Iterator[tuple[str, Location | None]]":
+    """Yield the statements about a hit, each with its place; at least its declaration."""
+    places = []
+    for reason in hit.why[:_REASONS]:
+        places.append(None if reason.path is None else Location(reason.path, reason.line or 0))
+        yield reason.text, places[-1]
+    declared = Location(hit.node.path, hit.node.line or 0)
+    if declared not in places:
+        yield "declared", declared
+    others = _others(hit)
+    if others:
+        yield f"also as {some(others, _MOST)}", None
+
+
+def _others(hit: "Hit") -> list[str]:
+    return list(
+        dict.fromkeys(
+            one.name if package.iri == hit.package.iri else f"{package.repository}:{package.name}/{one.name}"
+            for package, one in hit.others
+        )
+    )
+
+
+def report_reading(answer: "Answer") -> None:
+    """Report on standard error how the words were read, which ones describe no node, and whether anything fits."""
+    from kg.search.wording import NEAREST  # noqa: PLC0415 - start-up time
+
+    strict, rather = understood(answer.need)
+    if strict:
+        note(f"only nodes with: {', '.join(strict)}")
+    if rather:
+        note(f"preferring nodes with: {', '.join(rather)}")
+    for sentence in unknown(answer.need):
+        note(sentence)
+    if answer.hits and not answer.fits:
+        note(NEAREST)
+
+
+_LOOKED_AT: Final = 30  # number of best hits that questions split
+_ENOUGH: Final = 2  # number of hits at which no more questions are asked
+
+
+def narrow(index: "Search", words: str, filters: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Ask questions that split the hits until few are left, and return the filters with the answers added.
+
+    An empty line skips a question; `q` or the end of the input stops.
+    """
+    chosen, skipped = dict(filters), set[str]()
+    while True:
+        hits = index.find(words, chosen, _LOOKED_AT).hits
+        current = question(hits, {**chosen, **dict.fromkeys(skipped)}) if len(hits) > _ENOUGH else None
+        if current is None:
+            return chosen
+        answer = _answer(current, len(hits))
+        if answer is None:
+            return chosen
+        if answer:
+            chosen[current.kind] = [answer]
+        else:
+            skipped.add(current.kind)
+
+
+def _answer(current: "Question", hits: int) -> str | None:
+    """Return the chosen value, an empty text for none of them, None to stop."""
+    click.echo(f"{current.text} ({count(hits, 'hit')})", err=True)
+    for number, (value, left) in enumerate(current.answers, 1):
+        click.echo(f"  {number}. {printable(value)} ({left})", err=True)
+    while True:
+        try:
+            typed = click.prompt("Number, Enter to skip, q to stop", default="", show_default=False, err=True).strip()
+        except click.Abort:
+            return None
+        if typed.lower() == "q":
+            return None
+        if not typed:
+            return ""
+        if typed.isdigit() and 0 < int(typed) <= len(current.answers):
+            return current.answers[int(typed) - 1][0]
+        click.echo(f"`{printable(typed)}` is not a number from 1 to {len(current.answers)}", err=True)

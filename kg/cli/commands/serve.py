@@ -1,35 +1,37 @@
-"""`kg serve`: the SPARQL endpoint and the pages."""
+"""`kg serve`, `kg shell` and `kg mcp`: the interfaces that run until they are ended."""
 
 import os
 import sys
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 from urllib.parse import quote
 
 import typer
 
+from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
-from kg.cli.options import takes, with_settings
+from kg.cli.options import Store, option, session, takes, with_settings
+from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.server.options import DECLARED
+from kg.settings import DECLARED as OF_SETTINGS
 from kg.settings import Settings
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
 
 with lazily():
     import webbrowser
 
+    from kg.cli.commands.query import query
     from kg.server.libraries import libraries
     from kg.server.options import Options
     from kg.server.running import serve as run
     from kg.server.safety.tokens import Tokens
     from kg.settings import load_table
+    from kg.shell.running import run as run_shell
     from kg.store.opening import layout_of, or_empty
 
 
-Open = Annotated[bool, typer.Option("--open", help="Open the start page in the browser.")]
+Open = Annotated[bool, option("--open", "Open the start page in the browser.")]
 
 
 @takes(DECLARED.values())
@@ -90,3 +92,54 @@ def announce(
         say(f"pages have no pictures and a plain editor: their libraries are not installed. {HELP}")
     if browse:
         webbrowser.open(address)
+
+
+Once = Annotated[
+    str | None,
+    option(
+        "--once QUERY",
+        "Answer QUERY (SPARQL, or the name of a stored query) like `kg query` and exit.",
+        autocompletion=query_names,
+    ),
+]
+
+
+@takes(OF_SETTINGS[one] for one in ("format", "limit", "timeout", "queries"))
+def shell(context: typer.Context, *, once: Once = None, store: Store = None, **given: Any) -> None:
+    """Explore the store in a full-screen terminal interface.
+
+    It has a tree of the store, queries, evidence, proofs, search and rules. F1 shows all keys, Ctrl+P runs any action
+    by name, Ctrl+Q quits. Buffers and history are kept between runs. For example:
+
+        kg shell
+        kg --store demo shell
+        kg shell --once 'SELECT ?node { ?node a rnkg:NodeType }' --format csv
+    """
+    if once is not None:
+        query(context, once, store=[store] if store else None, **given)
+        return
+
+    code = run_shell(session(context).settings(store=store, **given))
+    if code != Exit.OK:
+        raise typer.Exit(code)
+
+
+@with_settings("timeout", "robot", "store")
+def mcp(*, settings: Settings) -> None:
+    """Serve coding assistants over the Model Context Protocol.
+
+    An assistant starts the server and talks to it on standard input and output. It can find and describe nodes, show
+    how launch files wire them, what a change breaks or changed, report findings, run read-only queries and explain
+    facts, each with lines of code. It can read the robot, check programs for it, and run them if a person agrees.
+    Needs `pip install 'kg-ros[mcp]'`. For example, in an assistant's settings:
+
+        {"mcpServers": {"kg": {"command": "kg", "args": ["--store", "/path/to/.kg", "mcp"]}}}
+    """
+    try:
+        from kg.assistants.server import serve  # noqa: PLC0415 - start-up time
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] != "mcp":
+            raise
+        hint = "pip install 'kg-ros[mcp]'"
+        raise UsageError("KG555", "the SDK of the Model Context Protocol is not installed", hint=hint) from error
+    serve(settings)

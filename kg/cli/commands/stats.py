@@ -5,24 +5,26 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
-from kg.cli.output import Column, json_lines, make_table, show, terminal, write
+from kg.cli.output import Column, json_lines, make_table, numbers, show, terminal, write
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.query.counting import Counted
-    from kg.query.stats import Statistics
+    from collections.abc import Iterator
+
+    from kg.query.stats import Counted, Statistics
 
 with lazily():
     from rich.columns import Columns
 
-    from kg.cli.corpus_view import compared, rnkg_rows
+    from kg.corpus.selection.select import paper_figures
     from kg.syntax.names import shorten
     from kg.views.answers import figures
 
 _MOST: Final = 12
+_RNKG_COLUMNS: Final = (Column("as RNKG counts", "name"), *numbers("here", "RNKG"))
 
 
 @with_settings("store")
@@ -40,14 +42,15 @@ def stats(*, settings: Settings, json: Json = False) -> None:
     if json:
         pairs = ("entities", "triples", "per_node", "degree_by_kind")
         plain = {**asdict(counted), **{name: dict(getattr(counted, name)) for name in pairs}}
-        json_lines([{**plain, "rnkg": compared(ours)}])
+        here = asdict(ours) | {"by_kind": dict(ours.by_kind)}
+        json_lines([{**plain, "rnkg": {"here": here, "paper": dict(paper_figures().graph)}}])
     elif terminal():
         _tables(counted, ours)
     else:
         for section, rows in _sections(counted):
             for name, figure in rows:
                 write(f"{section}\t{name}\t{figure}")
-        for row in rnkg_rows(ours):
+        for row in _rnkg_rows(ours):
             write("\t".join(["as RNKG counts", *map(str, row)]))
 
 
@@ -82,15 +85,27 @@ def _sections(counted: "Statistics", most: int | None = None) -> list[tuple[str,
 
 
 def _tables(counted: "Statistics", ours: "Counted") -> None:
-    from kg.cli.corpus_view import RNKG_COLUMNS  # noqa: PLC0415 - start-up time
-
     tables = [
         make_table((Column(section, "name"), Column("", "number")), rows)
         for section, rows in _sections(counted, _MOST)
         if rows
     ]
-    tables.append(make_table(RNKG_COLUMNS, rnkg_rows(ours)))
+    tables.append(make_table(_RNKG_COLUMNS, _rnkg_rows(ours)))
     show(Columns(tables, padding=(1, 4)))
     connected = counted.connectivity
     if not connected.exact:
         note(f"paths were followed from {count(connected.sources, 'entity', 'entities')} of {connected.entities:,}")
+
+
+def _rnkg_rows(ours: "Counted") -> "Iterator[tuple[str, str, str]]":
+    """Yield the figures of a graph as RNKG counts them, with those printed in the paper."""
+    for name, theirs in paper_figures().graph.items():
+        yield name.replace("_", " "), _plain(getattr(ours, name)), _plain(theirs)
+    for kind, number in ours.by_kind:
+        yield f"of these {kind}", _plain(number), "-"
+
+
+def _plain(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:,}" if isinstance(value, int) else f"{value:,.2f}".removesuffix(".00")

@@ -3,12 +3,12 @@
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, NoRules, with_settings
+from kg.cli.options import Json, NoRules, argument, option, with_settings
 from kg.cli.output import Column, json_lines, listing
 from kg.errors import Exit, Place, UsageError
 from kg.lazily import lazily
@@ -16,23 +16,18 @@ from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, layout_of, writable
 
-if TYPE_CHECKING:
-    from kg.pipeline.updating.changes import Updated
-
 with lazily():
     from kg.pipeline.updating.applying import apply
-    from kg.pipeline.updating.changes import Update
+    from kg.pipeline.updating.changes import Update, Updated
     from kg.pipeline.updating.restoring import restore as put_back
     from kg.store.backups import back_up
 
 
-Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
-File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Show what would change, without changing it.")]
-Target = Annotated[
-    str, typer.Argument(metavar="TARGET", help="A new folder, or a file whose name ends in .nq or .nq.gz.")
-]
-Source = Annotated[str, typer.Argument(metavar="BACKUP", help="Folder or file written by `kg backup`.")]
+Text = Annotated[str | None, argument("UPDATE", "SPARQL Update; - reads it from standard input.")]
+File = Annotated[str | None, option("--file -f FILE", "Read the update from FILE.")]
+DryRun = Annotated[bool, option("--dry-run", "Show what would change, without changing it.")]
+Target = Annotated[str, argument("TARGET", "A new folder, or a file whose name ends in .nq or .nq.gz.")]
+Source = Annotated[str, argument("BACKUP", "Folder or file written by `kg backup`.")]
 
 
 @with_settings("base", "store")

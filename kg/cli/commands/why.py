@@ -1,68 +1,66 @@
 """`kg why` and `kg why-not`: what a fact rests on, and what one that is not there lacks."""
 
-from typing import TYPE_CHECKING, Annotated
+from pathlib import Path
+from socket import gethostname
+from typing import TYPE_CHECKING, Annotated, Final
+from urllib.parse import quote
 
 import typer
 
+from kg.cli.commands.query import pairs, resolve_query
 from kg.cli.diagnostics import note, report
-from kg.cli.numbers import whole
-from kg.cli.options import Json, require_one_of, with_settings
-from kg.cli.output import json_lines, write
-from kg.cli.query_text import pairs, resolve_query
+from kg.cli.options import Json, argument, option, require_one_of, whole, with_settings
+from kg.cli.output import folded, json_lines, show, write
 from kg.errors import Exit, RuleError, UsageError
+from kg.facts import Location
 from kg.lazily import lazily
+from kg.render.text import count, printable
 from kg.settings import Settings
 from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
     from kg.store.snapshot import EmbeddedSnapshot
 
+
 with lazily():
-    from kg.cli.trees import print_tree
+    from rich.text import Text
+
+    from kg.cli.links import Links
     from kg.graph.iris import Iris
-    from kg.query.ask import row as row_of
+    from kg.query.core import row as row_of
     from kg.query.naming import facts
     from kg.rules.explain.export import mermaid, proof_object, why_not_object
     from kg.rules.explain.picture import picture
     from kg.rules.explain.rows import why_row
-    from kg.rules.explain.text import proof_lines, why_not_lines
+    from kg.rules.explain.text import Line, proof_lines, why_not_lines
     from kg.rules.explain.why import why_all
-    from kg.views.evidence import places
+    from kg.views.evidence import Places, places
     from kg.views.why import absent, explaining
+    from kg.views.wording import quoted
+
 
 _FORMATS = ("text", "json", "mermaid", "svg")
 _FACT = "For example `kg why patrol subscribes scan_filtered`; quote names that have blanks in them."
 
 Words = Annotated[
     list[str] | None,
-    typer.Argument(
-        metavar="SUBJECT PREDICATE OBJECT",
-        help="Names in the store, prefixed names or <iri>s; the object may be a literal.",
-    ),
+    argument("SUBJECT PREDICATE OBJECT", "Names in the store, prefixed names or <iri>s; the object may be a literal."),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Show all derivations of the fact.")]
-Shortest = Annotated[bool, typer.Option("--shortest", help="Show the proof with the fewest steps.")]
-Form = Annotated[
-    str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.", show_default=True)
-]
+All = Annotated[bool, option("--all -a", "Show all derivations of the fact.")]
+Shortest = Annotated[bool, option("--shortest", "Show the proof with the fewest steps.")]
+Form = Annotated[str, option("--format -f FORMAT", f"One of {', '.join(_FORMATS)}.", show_default=True)]
 
 
-Query = Annotated[
-    str | None,
-    typer.Option("--query", "-q", metavar="QUERY", help="Explain a row of this query: SPARQL, or a stored one."),
-]
-Row = Annotated[str, typer.Option("--row", metavar="N", help="Number of the row to explain.", show_default=True)]
+Query = Annotated[str | None, option("--query -q QUERY", "Explain a row of this query: SPARQL, or a stored one.")]
+Row = Annotated[str, option("--row N", "Number of the row to explain.", show_default=True)]
 Parameter = Annotated[
     list[str] | None,
-    typer.Option(
-        "--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term of the query."
-    ),
+    option("--param NAME=VALUE", "Set a variable to a text, or with NAME:=TERM to a term of the query."),
 ]
 
 
@@ -144,9 +142,7 @@ def why_not(
     words: Words = None,
     *,
     settings: Settings,
-    depth: Annotated[
-        str, typer.Option("--depth", metavar="N", help="How far missing premises are followed.", show_default=True)
-    ] = "3",
+    depth: Annotated[str, option("--depth N", "How far missing premises are followed.", show_default=True)] = "3",
     json: Json = False,
 ) -> None:
     """Show why a fact is missing: what each rule that could derive it lacks.
@@ -191,3 +187,85 @@ def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSna
     else:
         for proof in proofs:
             print_tree(proof_lines(proof, view), places(snapshot), Iris(base))
+
+
+_STYLES: Final = {
+    "rule": "cyan",
+    "bindings": "dim",
+    "condition": "",
+    "failure": "red",
+    "hint": "yellow",
+    "fact": "bold",
+}
+_LONG: Final = 30
+"""Rows of a tree from which on its lines of code are listed below it."""
+_BRANCHES: Final = {"├─ ": "│  ", "└─ ": "   "}
+
+
+def print_tree(lines: "Iterable[Line]", where: "Places", iris: "Iris | None" = None) -> None:
+    """Write the lines of a proof; `where` finds sources and their lines.
+
+    With `iris`, those of the store, each line of code is shown below the first fact read from it; below a tree that is
+    long, all of them follow once more.
+    """
+    links = Links(where)
+    read: set[tuple[str, str, int | None]] = set()
+    cited: list[tuple[Text, str]] = []
+    rules: set[str] = set()
+    shown = 0
+    for line in lines:
+        rows = _folded(line, links)
+        show(*rows)
+        shown += len(rows)
+        if line.kind == "rule":
+            rules.add(line.text)
+        place = (line.evidence.repository or "", line.evidence.path, line.evidence.line) if line.evidence else None
+        if iris is None or place is None or place in read:
+            continue
+        read.add(place)
+        if code := _code(line, where, iris):
+            show(_dim(f"{_below(line)}  {code}"))
+            cited.append((_place(line, links) or Text(), code))
+    if shown > _LONG and cited:
+        show(Text(f"\n{count(len(rules), 'rule')}, from {count(len(cited), 'line')} of code:"))
+        for at, code in cited:
+            show(Text("  ").append_text(at), _dim(f"    {code}"))
+
+
+def _code(line: "Line", where: "Places", iris: "Iris") -> str | None:
+    """Return the line of code behind a fact."""
+    thing = iris.parse((line.evidence.thing or "").partition("#")[0]) if line.evidence else None
+    if line.evidence is None or line.evidence.line is None or thing is None:
+        return None
+    place = Location(line.evidence.path, line.evidence.line, line.evidence.repository)
+    code = quoted(where.code(thing.parts[0], place))
+    return printable(code) if code else None
+
+
+def _dim(line: str) -> "Text":
+    """Return a row that is cut where the terminal ends."""
+    return Text(line, style="dim", no_wrap=True, overflow="ellipsis")
+
+
+def _folded(line: "Line", links: "Links") -> "list[Text]":
+    """Return the rows of a line, folded inside its branch; places are never broken."""
+    words, place = Text(line.text, style=_STYLES[line.kind]), _place(line, links)
+    return folded(words, place, Text(line.branches, "dim"), Text(f"{_below(line)}  ", "dim"))
+
+
+def _place(line: "Line", links: "Links") -> "Text | None":
+    """Return where the evidence of a line is, or else its rule, with a link."""
+    place = line.evidence or line.place
+    if place is None:
+        return None
+    path = Path(place.path)
+    if line.evidence and not path.is_absolute():
+        address = links.find(place.path, place.line or 1)
+    else:
+        address = f"file://{gethostname()}{quote(str(path.absolute()))}"
+    return Text(line.where, style=f"green link {address}" if address else "green")
+
+
+def _below(line: "Line") -> str:
+    """Return the branches of the rows below a line."""
+    return line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])

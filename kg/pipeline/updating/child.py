@@ -12,8 +12,7 @@ import msgspec
 
 from kg.pipeline.updating.applying import Applier
 from kg.pipeline.updating.changes import Change
-from kg.query.readers.messages import Call, Configuration, Message, frame
-from kg.query.readers.requests import failure, received
+from kg.query.readers.messages import Call, Configuration, Message, failure, frame, received
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout

@@ -6,16 +6,13 @@ resynchronizes at a dot, a keyword or a bracket.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 TYPE: Final = PREFIXES["rdf"] + "type"
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.query.completion import terms
 from kg.query.completion.outline import Role, Slot
-from kg.query.completion.site import Candidate, Site, site_of
-from kg.query.completion.typed import Form, typed
+from kg.query.completion.site import Candidate, Form, Site, site_of, typed
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.syntax.lexer import Kind
 from kg.syntax.prologue import declaration
@@ -16,7 +15,7 @@ from kg.syntax.prologue import declaration
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.query.completion.keeping import SnapshotCache
+    from kg.query.completion.statistics import SnapshotCache
     from kg.query.stored import StoredQuery
 
 WORST: Final = 4
@@ -115,7 +114,6 @@ def variables(site: Site) -> Iterator[Candidate]:
 
 
 def _new_variables(site: Site) -> Iterator[Candidate]:
-    """Yield a variable name for the preceding aggregate."""
     aggregates = [token for token in site.typed.before if token.text.upper() in AGGREGATES]
     name = aggregates[-1].text.lower() if aggregates else "value"
     yield Candidate("?" + name, "?" + name, "variable", "?" + name, detail="a new variable")
@@ -134,7 +132,6 @@ def functions(site: Site) -> Iterator[Candidate]:
 
 
 def _aggregates(_site: Site) -> Iterator[Candidate]:
-    """Yield aggregates as columns."""
     for name, one in AGGREGATES.items():
         insert = f"({name}() AS ?{name.lower()})"
         detail = f"({one.arguments}) as a column"
@@ -142,7 +139,6 @@ def _aggregates(_site: Site) -> Iterator[Candidate]:
 
 
 def _stored(site: Site) -> Iterator[Candidate]:
-    """Yield the stored queries, if the text is otherwise empty."""
     if not site.typed.before and not site.typed.after:
         for one in site.stored():
             yield Candidate(one.name, one.text, "query", one.name, one.title, None, one.description, 3)

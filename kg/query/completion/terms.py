@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import re
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from kg.query.completion import names
-from kg.query.completion.meaning import asserted, behind, classes, fitting, leading
-from kg.query.completion.outline import TYPE, Slot, Step
-from kg.query.completion.site import Candidate, Site
-from kg.query.completion.typed import Form
+import msgspec
+from pyoxigraph import Literal, NamedNode
+
+from kg.query.completion.outline import TYPE, Pattern, Slot, Step
+from kg.query.completion.site import Candidate, Form, Site
 from kg.syntax.lexer import Kind
-from kg.syntax.names import WELL_KNOWN
+from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
+
+    from kg.query.completion.statistics import SnapshotCache, Statistics
 
 
 def prefixes(site: Site) -> Iterator[Candidate]:
@@ -46,7 +50,7 @@ def properties(site: Site) -> Iterator[Candidate]:
     frame = site.before.frame
     fitting_ones: Mapping[str, tuple[int, str]] = {}
     if not frame.subject.startswith(("?", "_:")) and not frame.steps and frame.subject:
-        fitting_ones = {iri: (number, "") for iri, number in names.of_iri(site.cache, frame.subject).items()}
+        fitting_ones = {iri: (number, "") for iri, number in of_iri(site.cache, frame.subject).items()}
     else:
         kinds = _kinds_here(site)
         fitting_ones = leading(kinds, site.statistics) if frame.inverse else fitting(kinds, site.statistics)
@@ -146,7 +150,7 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
     if kinds and kinds[0] not in site.statistics.classes:
         # The cache would otherwise grow with every class name that is typed.
         return
-    offered = names.values(site.cache, iri, kinds[0] if kinds else None, literal=literal)
+    offered = values(site.cache, iri, kinds[0] if kinds else None, literal=literal)
     for value in offered.holding(site.typed.text.removeprefix("<")):
         label = value.text if literal or value.written.startswith("<") else value.written
         prefix = "" if literal else _prefix(value.written)
@@ -156,5 +160,164 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
 
 def graph_names(site: Site) -> Iterator[Candidate]:
     """Yield the named graphs."""
-    for one in names.graphs(site.cache).holding(site.typed.text.removeprefix("<")):
+    for one in graphs(site.cache).holding(site.typed.text.removeprefix("<")):
         yield Candidate(one.written, one.written, "graph", one.text, prefix=_prefix(one.written))
+
+
+_SHARE: Final = 0.1
+"""Classes with a smaller share of a property's values than this, relative to the most frequent class, are ignored."""
+
+
+def asserted(term: str, patterns: Iterable[Pattern]) -> list[str]:
+    """Return the classes that the query asserts for a term, the last one first."""
+    kind = (Step(TYPE, inverse=False),)
+    kinds = (each.object for each in patterns if each.subject == term and each.path == kind)
+    return list(reversed([each for each in dict.fromkeys(kinds) if not each.startswith(("?", "_:"))]))
+
+
+def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> list[str]:
+    """Return the possible classes of a term: those asserted, else those compatible with all of its patterns."""
+    patterns = list(patterns)
+    asserted_classes = asserted(term, patterns)
+    if asserted_classes:
+        return asserted_classes
+    options = []
+    for each in patterns:
+        if each.subject == term and each.path and each.path[0].iri != TYPE:
+            first = each.path[0]
+            options.append(_to(Step(first.iri, not first.inverse), statistics))
+        if each.object == term and each.path and each.path[-1].iri != TYPE:
+            options.append(_to(each.path[-1], statistics))
+    options = [each for each in options if each]
+    if not options:
+        return []
+    common = set(options[0]).intersection(*options[1:]) or set().union(*options)
+    return sorted(common)
+
+
+def behind(step: Step, statistics: Statistics) -> list[str]:
+    """Return the classes of the values that a step of a path leads to."""
+    return sorted(_to(step, statistics))
+
+
+def _to(step: Step, statistics: Statistics) -> set[str]:
+    if step.iri is None:
+        return set()
+    if step.inverse:
+        return {kind for kind, used in statistics.used.items() if step.iri in used}
+    return _ground_terms(step.iri, statistics)
+
+
+def _ground_terms(iri: str, statistics: Statistics) -> set[str]:
+    numbers = statistics.leads.get(iri, {})
+    least = max(numbers.values(), default=0) * _SHARE
+    return {kind for kind, number in numbers.items() if number >= least}
+
+
+def fitting(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
+    """Return the properties of some classes, each with its number of instances and the class with the most."""
+    by_property: dict[str, tuple[int, str]] = {}
+    for kind in kinds:
+        for iri, number in statistics.used.get(kind, {}).items():
+            if iri not in by_property or number > by_property[iri][0]:
+                by_property[iri] = (number, kind)
+    return by_property
+
+
+def leading(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
+    """Return the properties whose values are of some classes, with the number of triples and one of the classes."""
+    wanted = list(kinds)
+    by_property = {}
+    for iri in statistics.leads:
+        to = next((kind for kind in wanted if kind in _ground_terms(iri, statistics)), None)
+        if to is not None:
+            by_property[iri] = (statistics.properties.get(iri, 0), to)
+    return by_property
+
+
+_MOST: Final = 50_000
+"""Largest number of cached values of a property; the most frequent ones are cached."""
+_IRI: Final = re.compile(r"[A-Za-z][\w+.-]*:[^\x00-\x20<>\"{}|^`\\]*", re.ASCII)
+"""Valid text between angle brackets; an unfinished query may contain any text as an IRI."""
+_XSD: Final = PREFIXES["xsd"]
+_BARE: Final = frozenset({_XSD + "integer", _XSD + "boolean", _XSD + "decimal"})
+
+
+class Value(msgspec.Struct, frozen=True, array_like=True):
+    """A term in SPARQL syntax (`written`), its label or text, and the number of its occurrences."""
+
+    written: str
+    text: str
+    count: int
+
+
+class Values(NamedTuple):
+    """Values, the most frequent first, and their texts in lower case."""
+
+    values: list[Value]
+    lower: list[str]
+
+    def holding(self, typed: str) -> Iterator[Value]:
+        """Yield values whose text contains `typed`, up to the number of candidates; if there are few values, all."""
+        wanted = typed.lower()
+        if len(self.values) <= _FEW:
+            yield from self.values
+            return
+        matches = (value for value, lower in zip(self.values, self.lower, strict=True) if wanted in lower)
+        yield from islice(matches, _OFFERED)
+
+
+_FEW: Final = 1000
+"""Up to this number, all values are candidates and the matcher ranks them."""
+_OFFERED: Final = 500
+_OF_CLASS: Final = "?s a <%s> ."
+_COUNTED: Final = "SELECT ?o (COUNT(*) AS ?n) { %s ?s <%s> ?o } GROUP BY ?o"
+_LABELLED: Final = "SELECT ?o ?n ?l { { %s } OPTIONAL { ?o rdfs:label ?l } }"
+_PROPERTIES: Final = "SELECT ?p (COUNT(*) AS ?n) { <%s> ?p ?o } GROUP BY ?p"
+
+
+def values(cache: SnapshotCache, iri: str, kind: str | None, *, literal: bool) -> Values:
+    """Return the values of the property `iri`, of instances of `kind` or of any subject."""
+
+    def make() -> list[Value]:
+        if not all(_IRI.fullmatch(each) for each in (iri, kind) if each is not None):
+            return []
+        counted = _COUNTED % (_OF_CLASS % kind if kind else "", iri)
+        rows: Any = cache.snapshot.query(counted if literal else _LABELLED % counted, prefixes=PREFIXES)
+        by_term = {
+            row[0]: _value(row[0], int(row[1].value), None if literal else row[2])
+            for row in rows
+            if isinstance(row[0], NamedNode | Literal)
+        }
+        return sorted(by_term.values(), key=lambda value: (-value.count, value.text))[:_MOST]
+
+    return _lowered(cache, f"values {iri} {kind}", make)
+
+
+def _lowered(cache: SnapshotCache, key: str, make: Callable[[], list[Value]]) -> Values:
+    content = cache.values(key, make, list[Value])
+    return cache.in_memory(key, lambda: Values(content, [value.text.lower() for value in content]))
+
+
+def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Value:
+    if isinstance(term, NamedNode):
+        written = shorten(term.value)
+        return Value(written, label.value if label else written, count)
+    return Value(term.value if term.datatype.value in _BARE else str(term), term.value, count)
+
+
+def graphs(cache: SnapshotCache) -> Values:
+    """Return the named graphs."""
+
+    def make() -> list[Value]:
+        return [Value(shorten(graph.value), graph.value, 0) for graph in cache.snapshot.graphs()]
+
+    return _lowered(cache, "graphs", make)
+
+
+def of_iri(cache: SnapshotCache, iri: str) -> dict[str, int]:
+    """Return the properties of an IRI, with their numbers of values."""
+    if not _IRI.fullmatch(iri):
+        return {}
+    rows: Any = cache.snapshot.query(_PROPERTIES % iri)
+    return {row[0].value: int(row[1].value) for row in rows}

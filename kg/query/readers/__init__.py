@@ -4,7 +4,7 @@ A reader opens the current generation of the store and answers one request at a 
 memory limit and a crash of the engine all have the same effect: the process exits, the caller gets an error, and
 another process replaces it. Interfaces use `pool.Readers`; docs/query-core.md describes the path of a query.
 
-In a reader process: `child` answers requests, `forkserver` is its parent. In the process that
-owns the readers: `processes` and `fleet` manage them, `scheduler` with `slots` and `sharing` decides which request runs
-when, callers see `answers` and `jobs`, and `cache` contains earlier responses. `messages` defines the protocol.
+`forkserver` is the parent of the readers, and contains what each does. In the process that owns them: `processes`
+manages them, `scheduler` decides which request runs when, callers see `answers`, and `cache` has earlier responses.
+`messages` defines the protocol.
 """

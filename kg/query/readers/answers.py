@@ -1,20 +1,67 @@
-"""Responses of readers."""
+"""Requests that wait or run, and the responses of readers."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kg.errors import QueryError
 from kg.query.readers.messages import End, Failure, Head, Progress
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import AsyncIterator
 
+    from kg.errors import KgError
     from kg.query.readers.cache import CachedResponse
-    from kg.query.readers.jobs import Job
     from kg.query.readers.processes import Process
+
+
+@dataclass(slots=True, eq=False)
+class Job:
+    """A request that waits or runs. `identity` cannot be guessed; `rows` is the number of rows found so far.
+
+    `client` identifies the sender, `cause` is the error that ended the request, `process` runs it, and `place` is its
+    place in a queue. `own` marks requests that the pool sends itself.
+    """
+
+    identity: str
+    text: str
+    client: str = ""
+    began: float = field(default_factory=time.monotonic)
+    rows: int = 0
+    own: bool = False
+    cause: KgError | None = None
+    process: Process | None = None
+    place: asyncio.Future[None] | None = None
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the request."""
+        return time.monotonic() - self.began
+
+    def end(self, cause: KgError) -> None:
+        """Cancel the request, waiting or running; the first cause is reported."""
+        if self.cause is None:
+            self.cause = cause
+        if self.place is not None and not self.place.done():
+            self.place.set_exception(self.cause)
+        if self.process is not None:
+            self.process.kill()
+
+    def wait_at(self, place: asyncio.Future[None]) -> None:
+        """Store the place in a queue, to cancel the wait."""
+        self.place = place
+        if self.cause is not None:
+            place.set_exception(self.cause)
+
+    def run_on(self, process: Process) -> None:
+        """Store the process that runs the request; raises the cause if it was cancelled before."""
+        if self.cause is not None:
+            raise self.cause
+        self.process = process
 
 
 class Answer:
@@ -62,9 +109,8 @@ class Answer:
     async def parts(self) -> AsyncIterator[bytes]:
         """Yield the body as bytes; `end` is set after the last part.
 
-        Raises:
-            KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508 the
-                reader exited, KG510 cancelled, KG511 response too large.
+        Raises KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508
+        the reader exited, KG510 cancelled, KG511 response too large.
         """
         while self._buffered or self.end is None:
             if self._buffered:
@@ -91,7 +137,6 @@ class Answer:
         return self.end is not None
 
     async def _receive(self) -> None:
-        """Receive one message."""
         assert self._process is not None  # noqa: S101 - a cached response is complete
         message = await self._process.receive()
         if message is None:
@@ -118,7 +163,6 @@ class Answer:
                 self._copied = None
 
     def _reason(self, process: Process) -> Exception:
-        """Return the reason why the connection closed."""
         if self.job.cause is not None:
             return self.job.cause
         if process.out_of_memory:

@@ -20,13 +20,11 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import KgError, QueryError
-from kg.query.readers.answers import Answer
+from kg.query.readers.answers import Answer, Job
 from kg.query.readers.cache import AnswerCache, CachedResponse, CacheStats, Pointer
-from kg.query.readers.fleet import Fleet
-from kg.query.readers.jobs import Job
 from kg.query.readers.lookups import LookUps
 from kg.query.readers.messages import Call, Configuration, Question, frame
-from kg.query.readers.processes import PROGRAM, Spawner
+from kg.query.readers.processes import PROGRAM, Fleet, Spawner
 from kg.query.readers.scheduler import Run, Scheduler
 from kg.query.runner import DeadlineError
 from kg.store.following import Following
@@ -136,9 +134,8 @@ class Readers:
         from here until the caller leaves the context, including the wait. So a slow caller does not occupy a reader for
         longer.
 
-        Raises:
-            KgError: an error of the reader; KG503 deadline, KG505 a job of this identity runs, KG507 memory limit,
-                KG508 the reader exited, KG509 busy, KG510 cancelled.
+        Raises KgError: an error of the reader; KG503 deadline, KG505 a job of this identity runs, KG507 memory limit,
+        KG508 the reader exited, KG509 busy, KG510 cancelled.
         """
         message = frame(request)
         room = self._cache.largest if isinstance(request, Question) else 0

@@ -1,4 +1,4 @@
-"""Reader processes seen from their owner, and their fork server."""
+"""Reader processes seen from their owner: the connection to each, their fork server, and the pool of them."""
 
 from __future__ import annotations
 
@@ -10,16 +10,113 @@ import socket
 import subprocess
 import sys
 import time
+from collections import Counter
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, cast
 
 from kg.errors import QueryError
-from kg.query.readers.channel import Channel
 from kg.query.readers.forkserver import END, FORK, ORDER, PAUSE, RESUME, YIELD
-from kg.query.readers.messages import Configuration, frame
+from kg.query.readers.messages import PREFIX, Configuration, Message, Refresh, decode, frame
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+_BUFFER_BYTES: Final = 512 << 10
+"""If the buffer contains more bytes, the reader process has to wait."""
+
+
+class Channel(asyncio.Protocol):
+    """Buffer for the frames that a reader process sends. One caller waits at a time.
+
+    `error` is the error that closed the connection, if any.
+    """
+
+    def __init__(self) -> None:
+        self.error: Exception | None = None
+        self._transport: asyncio.Transport | None = None
+        self._buffer = bytearray()
+        self._closed = False
+        self._paused = False
+        self._waiting: asyncio.Future[None] | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Store the transport."""
+        self._transport = cast("asyncio.Transport", transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Append to the buffer."""
+        self._buffer += data
+        if self._is_complete():
+            if len(self._buffer) > _BUFFER_BYTES and not self._paused and self._transport is not None:
+                self._paused = True
+                self._transport.pause_reading()
+            self._wake()
+
+    def eof_received(self) -> None:
+        """Record the end of the stream; the transport then closes itself."""
+        self._closed = True
+        self._wake()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Record the end of the connection and its error."""
+        self._closed, self.error = True, exc
+        self._wake()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the connection is closed and everything received was taken."""
+        return self.error is not None or (self._closed and not self._buffer)
+
+    def send(self, data: bytes) -> None:
+        """Send bytes to the reader process."""
+        if self._transport is not None:
+            self._transport.write(data)
+
+    def abort(self) -> None:
+        """Close the connection and discard the buffer."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    async def wait(self, seconds: float | None = None) -> bool:
+        """Wait until `take` has a result, for at most `seconds`; return whether it has."""
+        if self._is_complete() or self._closed:
+            return True
+        loop = asyncio.get_running_loop()
+        self._waiting = loop.create_future()
+        timer = None if seconds is None else loop.call_later(seconds, self._wake)
+        try:
+            await self._waiting
+        finally:
+            self._waiting = None
+            if timer is not None:
+                timer.cancel()
+        return self._is_complete() or self._closed
+
+    def take(self) -> Message | bytes | None:
+        """Return the next message or part; None at the end of the stream.
+
+        Raises Exception: the error that closed the connection.
+        """
+        if self.error is not None:
+            raise self.error
+        if not self._is_complete():
+            self._buffer.clear()
+            return None
+        length, kind = PREFIX.unpack_from(self._buffer)
+        end = PREFIX.size + length
+        body = bytes(memoryview(self._buffer)[PREFIX.size : end])
+        del self._buffer[:end]
+        if self._paused and not self._closed and len(self._buffer) <= _BUFFER_BYTES and self._transport is not None:
+            self._paused = False
+            self._transport.resume_reading()
+        return decode(kind, body)
+
+    def _is_complete(self) -> bool:
+        """Return whether the buffer begins with a whole frame."""
+        size = len(self._buffer)
+        return size >= PREFIX.size and size >= PREFIX.size + PREFIX.unpack_from(self._buffer)[0]
+
+    def _wake(self) -> None:
+        if self._waiting is not None and not self._waiting.done():
+            self._waiting.set_result(None)
 
 
 PROGRAM: Final = (sys.executable, "-P", "-m", "kg.query.readers.forkserver")
@@ -75,12 +172,7 @@ class Process:
     `unread` is whether it exited before reading the request.
     """
 
-    def __init__(
-        self,
-        channel: Channel,
-        stderr: _ErrorOutput,
-        order: Callable[[bytes], None],
-    ) -> None:
+    def __init__(self, channel: Channel, stderr: _ErrorOutput, order: Callable[[bytes], None]) -> None:
         self._channel = channel
         self._stderr = stderr
         self._order = order
@@ -181,8 +273,7 @@ class Spawner:
     async def spawn(self) -> Process:
         """Return a new reader.
 
-        Raises:
-            QueryError: KG508 if no process can be started.
+        Raises QueryError: KG508 if no process can be started.
         """
         number = next(self._numbers)
         try:
@@ -264,3 +355,148 @@ def _channels(ours: ExitStack, theirs: ExitStack) -> tuple[socket.socket, socket
     stderr = _ErrorOutput(read_end)
     ours.callback(stderr.close)
     return near, far, stderr, write_end
+
+
+class Fleet:
+    """Readers started by `spawner`; `ready` of them are idle, so requests rarely wait for a process to start.
+
+    Up to twice as many idle readers remain, to avoid restarts when load varies. A reader with lowered priority is not
+    reused. `spawned` counts the readers started so far, `ended` those that exited, by cause.
+    """
+
+    def __init__(self, spawner: Spawner, ready: int) -> None:
+        self._spawner = spawner
+        self._ready = ready
+        self._idle: list[Process] = []
+        self._used: set[Process] = set()
+        self._outdated: set[Process] = set()
+        self._filling: asyncio.Task[None] | None = None
+        self._closing = False
+        self.spawned = 0
+        self.ended: Counter[str] = Counter()
+
+    @property
+    def idle(self) -> int:
+        """Number of idle readers."""
+        return len(self._idle)
+
+    async def take(self, register: Callable[[asyncio.Future[None]], object]) -> Process:
+        """Return an idle reader, or start one. An exception set on the future passed to `register` ends the wait.
+
+        Raises QueryError: KG508 if no process can be started.
+        """
+        process = self._pop_idle() or await self._spawn_unless_cancelled(register)
+        self._used.add(process)
+        self.fill()
+        return process
+
+    def put(self, process: Process) -> None:
+        """Return a reader that is ready for the next request."""
+        self._used.discard(process)
+        if process.ended or process.nice or self._closing or len(self._idle) >= 2 * self._ready:
+            self._close(process, "retired")
+        else:
+            self._idle.append(process)
+            if process in self._outdated:
+                process.send(frame(Refresh()))
+        self._outdated.discard(process)
+        self.fill()
+
+    def drop(self, process: Process, cause: str) -> None:
+        """Kill a busy reader and count the cause."""
+        self._used.discard(process)
+        self._outdated.discard(process)
+        self._close(process, cause)
+        self.fill()
+
+    def refresh(self) -> None:
+        """Notify idle readers that the data has changed; busy ones are notified when they are done."""
+        self._outdated = set(self._used)
+        for process in self._idle:
+            process.send(frame(Refresh()))
+
+    def fill(self) -> None:
+        """Start missing idle readers in the background."""
+        if self._filling is None and not self._closing and len(self._idle) < self._ready:
+            self._filling = asyncio.get_running_loop().create_task(self._fill())
+
+    async def close(self) -> None:
+        """Kill all readers and their fork server."""
+        self._closing = True
+        if self._filling is not None:
+            self._filling.cancel()
+            await asyncio.gather(self._filling, return_exceptions=True)
+        for process in [*self._idle, *self._used]:
+            process.close()
+        self._idle.clear()
+        self._used.clear()
+        await self._spawner.close()
+
+    def _pop_idle(self) -> Process | None:
+        """Remove and return the idle reader used last, whose caches are warm; None if all are busy."""
+        while self._idle:
+            process = self._idle.pop()
+            if not process.ended:
+                return process
+            self._close(process, "crashed")
+        return None
+
+    async def _fill(self) -> None:
+        try:
+            while (missing := self._ready - len(self._idle)) > 0:
+                fresh = await asyncio.gather(*(self._spawn() for _ in range(missing)))
+                for process in fresh:
+                    # The data may have changed after the reader opened it.
+                    process.send(frame(Refresh()))
+                self._idle[:0] = fresh
+        except QueryError:
+            # The next request that needs a reader tries again and reports the error.
+            return
+        finally:
+            self._filling = None
+
+    async def _spawn_unless_cancelled(self, register: Callable[[asyncio.Future[None]], object]) -> Process:
+        """Return a new reader; raises the exception set on the registered future if that comes first."""
+        cancelled: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        register(cancelled)
+        starting = asyncio.ensure_future(self._spawn())
+        cancelled.add_done_callback(lambda _: starting.cancel())
+        try:
+            return await starting
+        except asyncio.CancelledError:
+            if starting.done() and not starting.cancelled() and starting.exception() is None:
+                # The reader was ready at the moment when the request was cancelled.
+                self.put(starting.result())
+            if cancelled.done():
+                cancelled.result()
+            raise
+        finally:
+            # Retrieve the exception; otherwise asyncio reports that it was never retrieved.
+            if not cancelled.cancel():
+                cancelled.exception()
+
+    async def _spawn(self) -> Process:
+        # The fork server may exit before it has read the order; the second attempt starts another.
+        process = await self._spawn_once() or await self._spawn_once()
+        if process is None:
+            raise QueryError("KG508", "no process for queries can be started", hint="The log has its output.")
+        self.spawned += 1
+        return process
+
+    async def _spawn_once(self) -> Process | None:
+        """Return a new reader; None if it exited before it was ready."""
+        process = await self._spawner.spawn()
+        try:
+            ready = await process.receive()
+        except BaseException:
+            process.close()
+            raise
+        if ready is None:
+            process.close()
+            return None
+        process.pid = ready.pid
+        return process
+
+    def _close(self, process: Process, cause: str) -> None:
+        process.close()
+        self.ended[cause] += 1

@@ -1,9 +1,9 @@
 """Scheduling of requests on readers: one queue, short first turns, and shared processors for long queries.
 
-Each query waits for a *slot*, and slots go to the clients in turn (`slots.Slots`). In its slot it has a first turn:
+Each query waits for a *slot*, and slots go to the clients in turn (`Slots`). In its slot it has a first turn:
 10 ms of processor time while others wait, else 100 ms. Most queries end in it. Others continue in their reader without
 a slot, as *long* queries. As many long queries run at a time as there are slots; the others are paused
-(`sharing.Sharing`). Those with the least run time go next. After 100 ms of processor time the priority of the reader is
+(`Sharing`). Those with the least run time go next. After 100 ms of processor time the priority of the reader is
 lowered. No query is restarted, and costs are not estimated in advance.
 
 So a query waits for a slot at most as long as the first turns of the requests ahead of it, however many long queries
@@ -15,19 +15,186 @@ Calls of views have slots of their own and no turns, because their work is bound
 
 from __future__ import annotations
 
+import asyncio
 import time
+from collections import OrderedDict, defaultdict, deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.errors import KgError
+from kg.errors import KgError, QueryError
 from kg.query.readers.answers import Answer
-from kg.query.readers.sharing import Sharing
-from kg.query.readers.slots import Slots
 
 if TYPE_CHECKING:
-    from kg.query.readers.fleet import Fleet
-    from kg.query.readers.jobs import Job
-    from kg.query.readers.processes import Process
+    from collections.abc import Callable
+
+    from kg.query.readers.answers import Job
+    from kg.query.readers.processes import Fleet, Process
+
+
+class Slots:
+    """`slots`, each held by one request at a time; at most `queue` requests wait.
+
+    Free slots go to the waiting clients in turn. Of the requests of one client, the oldest goes first. If more of them
+    wait than there are slots, the newest and the oldest alternate. So a burst does not delay later requests for long,
+    and each of its requests is served.
+
+    If the queue is full, the client with the most waiting requests loses its newest one. So one client cannot fill the
+    queue.
+    """
+
+    def __init__(self, slots: int, queue: int) -> None:
+        self.used = 0
+        self._slots = slots
+        self._queue = queue
+        self._newest = False
+        self._waiting: OrderedDict[str, deque[asyncio.Future[None]]] = OrderedDict()
+
+    @property
+    def waiting(self) -> int:
+        """Number of waiting requests."""
+        return sum(map(len, self._waiting.values()))
+
+    async def take(self, client: str, register: Callable[[asyncio.Future[None]], object]) -> None:
+        """Take a slot, after waiting for one. `register` receives a future; an exception set on it ends the wait.
+
+        Raises QueryError: KG509 if the queue is full and no other client has more requests in it.
+        """
+        if self.used < self._slots and not self._waiting:
+            self.used += 1
+            return
+        if self.waiting >= self._queue:
+            self._make_room(client)
+        place: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.setdefault(client, deque()).append(place)
+        register(place)
+        try:
+            await place
+        except BaseException:
+            self._forget(client, place)
+            if place.done() and not place.cancelled() and place.exception() is None:
+                # The slot was granted at the moment when the wait ended.
+                self.give_back()
+            raise
+
+    def give_back(self) -> None:
+        """Release a slot, or pass it on to the next client."""
+        while self._waiting:
+            client, places = next(iter(self._waiting.items()))
+            self._waiting.move_to_end(client)
+            self._newest = not self._newest
+            place = places[-1 if self._newest and len(places) > self._slots else 0]
+            self._forget(client, place)
+            if not place.done():
+                place.set_result(None)
+                return
+        self.used -= 1
+
+    def _make_room(self, client: str) -> None:
+        """Remove the newest request of the client with the most waiting requests; KG509 if that is `client`."""
+        busy = QueryError("KG509", f"{self.waiting} queries are waiting", hint="Try again in a second.")
+        longest = max(self._waiting, key=lambda name: len(self._waiting[name]), default=client)
+        if len(self._waiting.get(longest, ())) <= len(self._waiting.get(client, ())) + 1:
+            raise busy
+        place = self._waiting[longest][-1]
+        self._forget(longest, place)
+        if not place.done():
+            place.set_exception(busy)
+
+    def _forget(self, client: str, place: asyncio.Future[None]) -> None:
+        places = self._waiting.get(client, deque())
+        if place in places:
+            places.remove(place)
+        if not places:
+            self._waiting.pop(client, None)
+
+
+_ROUND_SECONDS: Final = 0.1
+"""Interval at which the running readers are chosen again."""
+_NICE_SECONDS: Final = 0.1
+"""Processor time after which a reader gets a lower priority, for good. It then takes no further query."""
+
+
+class Sharing:
+    """Readers of long queries. `slots` of them run at a time, the others are paused; at most `most` are held.
+
+    Readers with the least run time run next: first by the time of all long queries of their client, then by their own.
+    Times of single queries count as equal up to a factor of two, and then the oldest goes first. So queries of similar
+    length run one after the other, and a longer query does not delay them.
+
+    Time counts while a reader may run, working or waiting, so no reader can hold its turn by waiting.
+    """
+
+    def __init__(self, slots: int, most: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self._slots = slots
+        self._most = most
+        self._clock = clock
+        self._clients: dict[Process, str] = {}
+        self._seconds: dict[Process, float] = {}
+        self._running: set[Process] = set()
+        self._since = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of held readers, running and paused."""
+        return len(self._clients)
+
+    def add(self, process: Process, client: str) -> None:
+        """Add a reader that runs a query of `client`.
+
+        Raises QueryError: KG509 if too many are held.
+        """
+        if self.size >= self._most:
+            raise QueryError("KG509", f"{self.size} long queries are running", hint="Try again in a few seconds.")
+        self._charge()
+        self._clients[process] = client
+        self._seconds[process] = 0.0
+        self._running.add(process)
+        self._choose()
+
+    def remove(self, process: Process) -> None:
+        """Remove a reader, if it is held; it may be paused."""
+        if process in self._clients:
+            self._charge()
+            del self._clients[process], self._seconds[process]
+            self._running.discard(process)
+            self._choose()
+
+    def turn(self) -> None:
+        """Choose the readers that run next."""
+        self._charge()
+        self._choose()
+
+    def _charge(self) -> None:
+        now = self._clock()
+        for process in self._running:
+            self._seconds[process] += now - self._since
+            if not process.nice and process.used() >= _NICE_SECONDS:
+                process.give_way()
+        self._since = now
+
+    def _choose(self) -> None:
+        of_client: defaultdict[str, float] = defaultdict(float)
+        for process, client in self._clients.items():
+            of_client[client] += self._seconds[process]
+        order = sorted(self._clients, key=lambda one: (of_client[self._clients[one]], _level(self._seconds[one])))
+        chosen = set(order[: self._slots])
+        for process in self._running - chosen:
+            process.pause()
+        for process in chosen - self._running:
+            process.resume()
+        self._running = chosen
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if self.size:
+            self._timer = asyncio.get_running_loop().call_later(_ROUND_SECONDS, self.turn)
+
+
+def _level(seconds: float) -> int:
+    """Return 0 for less than a turn, and one more for each doubling of `seconds`."""
+    return int(seconds / _ROUND_SECONDS).bit_length()
+
 
 _TURN_SECONDS: Final = 0.01
 _LONE_TURN_SECONDS: Final = 0.1

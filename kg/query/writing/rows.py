@@ -10,19 +10,22 @@ from __future__ import annotations
 import csv
 import io
 import re
+from html import escape
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 from pyoxigraph import Literal, NamedNode, Triple
 
-from kg.query.writing import xml
+from kg.errors import QueryError
 from kg.query.writing.values import XSD, bare, display, plain, quoted_and_mark, turtle
+from kg.store.serialization import forbidden_in_xml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kg.query.result import Row
     from kg.store.terms import Term
+
 
 _INTEGER: Final = f'"^^<{XSD}integer>'
 _INTEGER_CHARS: Final = len(_INTEGER)
@@ -123,9 +126,61 @@ def _cell(term: Term | None) -> str:
     return text if text.isprintable() else " ".join(text.splitlines())
 
 
+_NAMESPACE: Final = "http://www.w3.org/2005/sparql-results#"
+_DIRECTION: Final = ' its:dir="{}" xmlns:its="http://www.w3.org/2005/11/its" its:version="2.0"'
+
+
+def _xml_head(variables: tuple[str, ...]) -> bytes:
+    named = "".join(f'<variable name="{name}"/>' for name in variables)
+    return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n<head>{named}</head>\n<results>\n'.encode()
+
+
+def _xml_rows(variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
+    """Return rows, one per line; QueryError KG504 for a text that XML cannot represent."""
+    opened = [f'<binding name="{name}">' for name in variables]
+    lines = []
+    for row in batch:
+        cells = [
+            f"{binding}{_term(term)}</binding>" for binding, term in zip(opened, row, strict=True) if term is not None
+        ]
+        lines.append(f"<result>{''.join(cells)}</result>\n")
+    return "".join(lines).encode()
+
+
+def _xml_boolean(value: str) -> bytes:
+    body = f"<head></head>\n<boolean>{value}</boolean>\n"
+    return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n{body}</sparql>\n'.encode()
+
+
+def _term(term: Term) -> str:
+    if isinstance(term, NamedNode):
+        return f"<uri>{escape(term.value, quote=False)}</uri>"
+    if isinstance(term, Literal):
+        quoted, mark = quoted_and_mark(term)
+        value = term.value if "\\" in quoted else quoted[1:-1]
+        reason = forbidden_in_xml(value)
+        if reason:
+            raise QueryError("KG504", f"xml cannot represent a text of a row: {reason}", hint="Use json, csv or tsv.")
+        text = escape(value, quote=False).replace("\r", "&#13;")  # XML parsers read a bare one as a line feed
+        return f"<literal{_marks(mark)}>{text}</literal>"
+    if isinstance(term, Triple):
+        parts = {"subject": term.subject, "predicate": term.predicate, "object": term.object}
+        return "<triple>" + "".join(f"<{key}>{_term(part)}</{key}>" for key, part in parts.items()) + "</triple>"
+    return f"<bnode>{escape(term.value, quote=False)}</bnode>"
+
+
+def _marks(mark: str) -> str:
+    if not mark:
+        return ""
+    if mark[0] == "^":
+        return f' datatype="{escape(mark[3:-1], quote=False)}"'
+    language, _, direction = mark[1:].partition("--")
+    return f' xml:lang="{language}"' + (_DIRECTION.format(direction) if direction else "")
+
+
 ROWS: Final = {
     "json": RowFormat(_json_head, _json_rows, b",\n", b"\n]}}\n"),
-    "xml": RowFormat(xml.head, xml.rows, tail=xml.TAIL),
+    "xml": RowFormat(_xml_head, _xml_rows, tail=b"</results>\n</sparql>\n"),
     "csv": RowFormat(lambda variables: _csv_lines([variables]), _csv_rows),
     "tsv": RowFormat(_tsv_head, _tsv_rows),
     "markdown": RowFormat(_markdown_head, _markdown_rows),
@@ -135,7 +190,7 @@ ROWS: Final = {
 
 BOOLEANS: Final[dict[str, Callable[[str], bytes]]] = {
     "json": lambda value: f'{{"head":{{}},"boolean":{value}}}\n'.encode(),
-    "xml": xml.boolean,
+    "xml": _xml_boolean,
     "csv": lambda value: f"{value}\r\n".encode(),
     "tsv": lambda value: f"{value}\n".encode(),
     "markdown": lambda value: f"{value}\n".encode(),

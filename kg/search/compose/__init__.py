@@ -1,12 +1,13 @@
 """Chains of nodes that convert messages of one type into another, ranked, each with a launch file that wires it.
 
-`reading` builds the network of nodes and types, `asking` resolves types and names, `steps` and `costs` compute the cost
-of a node in a chain, `chains` finds the cheapest, `details` reads the places of their ends in code, `wiring` names
-their topics, `launching` writes the launch file, and `running` does all of it.
+`running` builds the network of nodes and types, and uses the others: `asking` resolves types and names, `chains` finds
+the cheapest chains, `details` reads the places of their ends in code, `wiring` names their topics, and `launching`
+writes the launch file.
 """
 
 from __future__ import annotations
 
-from kg.search.compose.running import Answer, Question, compose
+from kg.search.compose.results import Answer
+from kg.search.compose.running import Question, compose
 
 __all__ = ["Answer", "Question", "compose"]

@@ -50,9 +50,8 @@ def resolve_request(
 ) -> ResolvedRequest:
     """Resolve types and names in a network.
 
-    Raises:
-        UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for a required name that
-            matches no type, node, package or word.
+    Raises UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for a required name that
+    matches no type, node, package or word.
     """
     types_of_network = network.published() | network.subscribed()
     starts = {name: matching_types(name, types_of_network) for name in sources}

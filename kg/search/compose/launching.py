@@ -133,7 +133,6 @@ def _container(chain: Composed, places: list[int]) -> Iterator[str]:
 
 
 def _settings(chain: Composed, node: Node) -> Iterator[str]:
-    """Yield the settings common to nodes and components."""
     yield f"    name={node.start.name!r},"
     if node.start.remaps:
         pairs = ", ".join(f"({own!r}, {_topic_in_python(link)})" for own, link in node.start.remaps)
@@ -156,7 +155,6 @@ def _topic_in_python(link: Link) -> str:
 
 
 def _heading(chain: Composed) -> list[str]:
-    """Return the heading of a launch file, in lines."""
     nodes = (f"{place}. {node.part.full_name}, {node.part.repository}" for place, node in enumerate(chain.nodes, 1))
     return [printable(line) for line in (" -> ".join(chain.types), *nodes, "Written by `kg compose`.")]
 

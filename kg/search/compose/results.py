@@ -10,7 +10,7 @@ from kg.facts import Location, NodeKind, NodeType
 from kg.graph.reading.nodes import NodeRecord
 from kg.graph.records import how_to_start
 from kg.render.text import count
-from kg.search.compose.costs import together
+from kg.search.compose.chains import together
 from kg.search.compose.launching import launch_text
 from kg.search.compose.network import grouped
 

@@ -1,33 +1,280 @@
-"""Answer a request: the best chains for each version of ROS, wired."""
+"""Answer a request: read the network of a store, find the best chains for each version of ROS, and wire them."""
 
 from __future__ import annotations
 
+from collections import defaultdict
+from contextlib import suppress
 from dataclasses import dataclass
 from heapq import merge
-from itertools import islice, takewhile
-from typing import TYPE_CHECKING, Final
+from itertools import islice, product, takewhile
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import unquote
+
+import msgspec
 
 from kg.errors import UnknownNameError
+from kg.facts import Switch
+from kg.graph import vocabulary as v
+from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.holes import known_letters
+from kg.names import FRAMEWORK
+from kg.query.rows import rows
 from kg.render.text import count
+from kg.search.cache import keep, load_cached
 from kg.search.compose.asking import ResolvedRequest, resolve_request
-from kg.search.compose.chains import Chain, Search, Step
-from kg.search.compose.costs import demerits, generic, knowledge, needs
+from kg.search.compose.chains import (
+    Chain,
+    Search,
+    Step,
+    demerits,
+    generic,
+    knowledge,
+    link_cost,
+    needs,
+    part_cost,
+    port_cost,
+)
 from kg.search.compose.details import Details, read_details
-from kg.search.compose.reading import network
+from kg.search.compose.network import Network, Part, Port
 from kg.search.compose.results import Answer, Composed, Node
-from kg.search.compose.steps import between, steps_of
 from kg.search.compose.wiring import Wiring, wire
+from kg.search.folding import bare_name
 from kg.similar import similar, suggest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.search.compose.network import Network
     from kg.store.interface import Snapshot
 
 
-__all__ = ["Answer", "Question", "compose", "searches"]
+def steps_of(network: Network, request: ResolvedRequest, ros: int) -> Mapping[str, Sequence[Step]]:
+    """Return the best step of each family between each two types, by input type."""
+    best: dict[tuple[int, str, str], Step] = {}
+    for place, part in enumerate(network.parts):
+        if part.ros != ros:
+            continue
+        for step in _through(part, place, request):
+            way = part.family, step.source, step.target
+            cheapest = best.get(way)
+            if cheapest is None or (step.cost, step.key) < (cheapest.cost, cheapest.key):
+                best[way] = step
+    by_source: defaultdict[str, list[Step]] = defaultdict(list)
+    for step in best.values():
+        by_source[step.source].append(step)
+    return by_source
+
+
+def _through(part: Part, place: int, request: ResolvedRequest) -> Iterator[Step]:
+    is_required = place in request.named
+    costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
+    base = costs.node if is_required else part_cost(part)
+    shared = frozenset({port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None})
+    for source, taken in _best(part.inputs, shared).items():
+        entry = part.inputs[taken]
+        wanted = {port.type for port in needs(part, entry)}
+        before = base + _cost(entry, shared) + _need_cost(wanted - (set(request.starts) - {source}))
+        before += request.starts.index(source) if source in request.starts else 0
+        for target, given in _best(part.outputs, shared, entry).items():
+            if source == target and not is_required and not (source in request.starts and source in request.goals):
+                continue
+            cost = before + _cost(part.outputs[given], shared) + (costs.filters if target in wanted else 0)
+            if generic(target) and target not in request.goals:
+                cost += costs.generic_link
+            marks = request.marks(place, target)
+            yield Step(place, part.family, source, target, cost, key, marks, taken, given, is_required)
+
+
+def _best(ports: Sequence[Port], shared: frozenset[str | None], taken: Port | None = None) -> dict[str, int]:
+    """Return the index of the best end of each type; outputs must be compatible with the input `taken`."""
+    places: dict[str, int] = {}
+    for place, port in enumerate(ports):
+        if not port.can_be_wired or (taken is not None and not _together(taken, port)):
+            continue
+        other = places.get(port.type)
+        if other is None or _rank(port, shared) < _rank(ports[other], shared):
+            places[port.type] = place
+    return places
+
+
+def _rank(port: Port, shared: frozenset[str | None]) -> tuple[int, int, str]:
+    return _cost(port, shared), len(port.switches), port.name or ""
+
+
+def _cost(port: Port, shared: frozenset[str | None]) -> int:
+    return port_cost(port) + (knowledge().costs.shared_name if port.topic in shared else 0)
+
+
+def _together(taken: Port, given: Port) -> bool:
+    """Return whether a node can have both ends at the same time, under different names."""
+    if taken.topic is not None and taken.topic == given.topic:
+        return False
+    if taken.name is None and taken.parameter == given.parameter and given.name is None:
+        return False
+    pairs = product(map(Switch.parse, taken.switches), map(Switch.parse, given.switches))
+    return not any(_exclude(one, other) for one, other in pairs)
+
+
+def _exclude(one: Switch, other: Switch) -> bool:
+    """Check whether no value of a parameter meets both conditions."""
+    if one.parameter != other.parameter:
+        return False
+    if (one.sign, one.value) == (other.sign, other.value):
+        return one.wanted != other.wanted
+    return one.wanted and other.wanted and one.sign == other.sign == "=="
+
+
+def _need_cost(wanted: set[str]) -> int:
+    costs, optional = knowledge().costs, knowledge().types.optional
+    return min(costs.need * len(wanted - optional), costs.most_needs)
+
+
+def between(network: Network) -> Callable[[Step, Step], int]:
+    """Return the cost of linking one step to the next."""
+    parts = network.parts
+
+    def cost(one: Step, other: Step) -> int:
+        giver, taker = parts[one.part], parts[other.part]
+        return link_cost((giver, giver.outputs[one.given]), (taker, taker.inputs[other.taken]))
+
+    return cost
+
+
+_NODES: Final = """
+?n ?kind ?ros ?path ?line ?x ?plugin ?own {
+  ?n a rnkg:NodeType ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line
+  OPTIONAL { ?n rnkg:hasExecutable/rnkg:name ?x } OPTIONAL { ?n rnkg:pluginName ?plugin }
+  OPTIONAL { ?n rnkg:nodeName ?own }
+}"""
+_ENDS: Final = "?c ?t { ?c ros:hasMessage ?t ; rnkg:implicit false }"
+_MORE: Final = """
+?c ?p ?o { VALUES ?p { rnkg:parameterName rnkg:switchedBy rnkg:leastArguments rnkg:deprecated } ?c ?p ?o }"""
+_STARTED: Final = "SELECT ?n ?g { GRAPH ?g { ?i rnkg:instanceOf ?n } }"
+_LOADED: Final = ("nodelet", "component")
+_ROLES: Final = ("publisher", "subscriber")
+_FOLDER: Final = "compose"
+
+
+def network(snapshot: Snapshot, cache: Path | None) -> Network:
+    """Return the network of a snapshot, from the folder `cache` if present; else read it and save it there."""
+    if cache is None:
+        return read(snapshot)
+    body = load_cached(cache / _FOLDER, snapshot.identity)
+    if body is not None:
+        return msgspec.json.decode(body, type=Network)
+    network_read = read(snapshot)
+    # In a read-only store the network is read each time.
+    with suppress(OSError):
+        keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(network_read)])
+    return network_read
+
+
+def read(snapshot: Snapshot) -> Network:
+    """Return the network of a snapshot: nodes that launch files can start and that have publishers or subscribers."""
+    sources = _Sources(snapshot)
+    more: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    for subject, predicate, value in sources.rows(_MORE):
+        more[subject][predicate].add(value)
+    ports = _ports(sources.rows(_ENDS), more)
+    launches = _numbered(rows(snapshot, _STARTED))
+    parts_by_iri: dict[str, Part] = {}
+    for iri, kind, ros, path, line, executable, plugin, own in sources.rows(_NODES):
+        startable = executable or (plugin and kind.removeprefix(v.RNKG) in _LOADED)
+        if iri in parts_by_iri or iri not in ports or not startable:
+            continue
+        repository, package, name = _names(iri)
+        deprecated = v.bare(v.DEPRECATED) in more.get(_package_of(iri), ())
+        parts_by_iri[iri] = Part(
+            iri, repository, package, name, kind.removeprefix(v.RNKG), int(ros), path, int(line),
+            executable or None, plugin or None, own or None, deprecated,
+            launches=launches.get(iri, ()), inputs=_of(ports[iri], "subscriber"), outputs=_of(ports[iri], "publisher"),
+        )  # fmt: skip
+    parts = sorted(
+        parts_by_iri.values(), key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri)
+    )
+    return Network(_with_families(parts))
+
+
+class _Sources:
+    """Rows of queries over the graphs of sources."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        self.snapshot = snapshot
+        self.graphs = " ".join(str(graph) for graph in snapshot.graphs() if is_source_graph(graph.value))
+
+    def rows(self, body: str) -> Iterator[Any]:
+        """Yield the rows of `variables { pattern }` over the graph of each source."""
+        variables, _, pattern = body.partition("{")
+        yield from rows(self.snapshot, f"SELECT {variables} {{ VALUES ?g {{ {self.graphs} }} GRAPH ?g {{ {pattern} }}")
+
+
+def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
+    """Return the numbers of the graphs that contain each node."""
+    pairs = sorted(set(rows))
+    numbers = {graph: place for place, graph in enumerate(sorted({graph for _, graph in pairs}))}
+    by_node: defaultdict[str, list[int]] = defaultdict(list)
+    for node, graph in pairs:
+        by_node[node].append(numbers[graph])
+    return {node: tuple(sorted(places)) for node, places in by_node.items()}
+
+
+def _ports(
+    rows: Iterable[tuple[str, ...]], more: Mapping[str, Mapping[str, set[str]]]
+) -> dict[str, list[tuple[str, Port]]]:
+    """Return the ends of each node with their role, without those of frameworks."""
+    by_node: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
+    for iri, type_iri in sorted(set(rows)):
+        node, role, name = _split(iri)
+        if role not in _ROLES or (name is not None and f"/{name.lstrip('/')}" in FRAMEWORK):
+            continue
+        properties = more.get(iri, {})
+        port = Port(
+            iri,
+            name if name and known_letters(name) else None,
+            unquote(type_iri.rpartition("/message/")[2]),
+            min(properties.get(v.bare(v.PARAMETER_NAME), ()), default=None),
+            tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
+            int(min(properties.get(v.bare(v.LEAST_ARGUMENTS), ()), default="0")),
+        )
+        by_node[node].append((role, port))
+    return by_node
+
+
+def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
+    return tuple(port for one, port in ports if one == role)
+
+
+def _split(iri: str) -> tuple[str, str, str | None]:
+    """Return the node, the role and the name in the IRI of an end (`kg.graph.iris.fragment`)."""
+    whole, _, part = iri.partition("#")
+    again = ""
+    if not part.startswith(_ROLES):  # fragments distinguish several nodes with the same name
+        at = min((place for role in _ROLES if (place := part.find(f"/{role}/")) >= 0), default=-1)
+        if at < 0:
+            return whole, part.partition("/")[0], None
+        again, part = f"#{part[:at]}", part[at + 1 :]
+    role, _, name = part.partition("/")
+    own = None if name.startswith(UNKNOWN) else unquote(name.partition("@")[0])
+    return whole + again, role, own or None
+
+
+def _package_of(iri: str) -> str:
+    return iri.replace("/node/", "/package/", 1).partition("#")[0].rpartition("/")[0]
+
+
+def _names(iri: str) -> tuple[str, str, str]:
+    *repository, package, name = iri.partition("/node/")[2].partition("#")[0].split("/")
+    return unquote("/".join(repository)), unquote(package), unquote(name)
+
+
+def _with_families(parts: list[Part]) -> list[Part]:
+    """Return the parts with their families: equal names of nodes and packages, ignoring words of form."""
+    first: dict[tuple[int, str, str], int] = {}
+    return [
+        msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, bare_name(part.name)), place))
+        for place, part in enumerate(parts)
+    ]
+
 
 LENGTH: Final = 4
 LIMIT: Final = 5
@@ -60,9 +307,8 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
 
     The network is cached in the folder `cache`, if given.
 
-    Raises:
-        UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
-            `using`.
+    Raises UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
+    `using`.
     """
     of_store = network(snapshot, cache)
     resolved = resolve_request(of_store, snapshot, question.sources, question.targets, question.using)

@@ -109,7 +109,6 @@ def _node_name(part: Part) -> str:
 
 
 def _unique(name: str, taken: Iterable[str]) -> str:
-    """Return a name, with a number appended if it is taken."""
     used = set(taken)
     return next(one for number in count(1) if (one := name if number == 1 else f"{name}_{number}") not in used)
 
@@ -158,7 +157,6 @@ def _moved_by_name(starts: Sequence[Start]) -> set[str]:
 
 
 def _connect(start: Start, port: Port, link: Link) -> None:
-    """Connect an end of a node to a topic."""
     for switch in port.switches:
         parameter, sign, value, wanted = Switch.parse(switch)
         if value is None:

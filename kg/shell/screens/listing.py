@@ -1,26 +1,37 @@
-"""Choice lists: short ones, and those filtered while typing, such as the history."""
+"""Dialogs: choice lists such as the history, stored queries with their form, export, keys, and jump marks."""
 
 from __future__ import annotations
 
+import asyncio
+import secrets
 import time
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from rich.table import Table
 from rich.text import Text
 from textual import on
-from textual.containers import Vertical
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
-from textual.widgets import Input, OptionList, Static
+from textual.widgets import Input, Label, OptionList, Select, Static
 from textual.widgets.option_list import Option
 
 from kg.render.text import count, printable
+from kg.shell.actions import CONTEXTS, Action, key_words
+from kg.shell.delivery import deliver
+from kg.shell.results import file_formats_of, format_of_name, is_taken, to_file
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from textual.app import ComposeResult
     from textual.events import Key
+    from textual.widget import Widget
 
+    from kg.errors import KgError
+    from kg.query.result import Result
     from kg.shell.state import Entry
 
 
@@ -170,3 +181,188 @@ class Options(OptionList):
         """Go down a page."""
         if self.scrollable_content_region:
             super().action_page_down()  # type: ignore[no-untyped-call]  # as above
+
+
+class JumpScreen(ModalScreen[Any], UpperScreen[Any]):
+    """Returns the panel whose letter was typed, or None."""
+
+    def __init__(self, panels: Mapping[str, Widget]) -> None:
+        super().__init__()
+        self._panels = dict(panels)
+
+    def compose(self) -> ComposeResult:
+        """Yield a letter at the corner of each panel."""
+        for key, panel in self._panels.items():
+            label = Label(f" {key.upper()} ", classes="jump")
+            label.absolute_offset = panel.region.offset
+            yield label
+        yield Label("Type a letter to go to its panel; any other key goes back.", classes="jump-hint")
+
+    def on_key(self, event: Key) -> None:
+        """Return the panel of a letter."""
+        event.stop()
+        event.prevent_default()
+        self.dismiss(self._panels.get(event.key.lower()))
+
+
+class HelpScreen(ModalScreen[None], UpperScreen[None]):
+    """The registry of actions as a page."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape,f1,q", "dismiss_screen", "Close")]
+
+    def compose(self) -> ComposeResult:
+        """Yield a table for each context."""
+        with VerticalScroll(classes="dialog help"):
+            yield Static("Keys", classes="title")
+            for context, title in CONTEXTS.items():
+                yield Static(title, classes="heading")
+                yield Static(_table([one for one in self.app.actions if one.context == context]))
+            yield Static("Esc: back. The palette (Ctrl+P) runs all of these by name.", classes="hint")
+
+    def on_mount(self) -> None:
+        """Enable scrolling by arrow keys."""
+        self.query_one(VerticalScroll).focus()
+
+
+def _table(actions: Iterable[Action]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    table.add_column(min_width=16, max_width=22)
+    table.add_column(ratio=1)
+    for action in actions:
+        keys = ", ".join(key_words(key) for key in action.keys)
+        table.add_row(Text(keys, "bold"), Text.assemble((action.title, "bold"), ": ", action.help))
+    return table
+
+
+class ExportScreen(ModalScreen[None], UpperScreen[None], context="list"):
+    """Asks for file and format; a limited result is requested again without limit."""
+
+    def __init__(self, result: Result, text: str) -> None:
+        super().__init__()
+        self._result = result
+        self._text = text
+        self._job = secrets.token_hex(8)
+        self._replace: str | None = None
+        """The file that the user has agreed to replace."""
+
+    def compose(self) -> ComposeResult:
+        """Yield the fields."""
+        formats = file_formats_of(self._result)
+        with Vertical(classes="dialog"):
+            yield Static("Export", classes="title")
+            yield Input(placeholder="file, for example answer.csv")
+            yield Select([(name, name) for name in formats], value=formats[0], allow_blank=False)
+            yield Static("", classes="wrong", markup=False)
+            yield Static("Enter: write the file. Tab: format. Esc: back.", classes="hint")
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Set the format by the suffix of the name."""
+        if form := format_of_name(event.value, self._result):
+            self.query_one(Select).value = form
+
+    @on(Input.Submitted)
+    def action_choose(self) -> None:
+        """Write the file, unless it exists and the user has not confirmed its replacement."""
+        if typed := self.query_one(Input).value.strip():
+            request = partial(self._write, typed, str(self.query_one(Select).value))
+            deliver(self, request, self._answer, self._fail, latest="export")
+
+    async def _write(self, typed: str, name: str) -> int | None:
+        """Return the number of bytes written, None if the file exists."""
+        if self._replace != typed and await asyncio.to_thread(is_taken, typed):
+            self._replace = typed
+            return None
+        result = self._result
+        if result.limit is not None:
+            self._say("Asking for all rows …")
+            result = await self.app.link.ask(self._text, job=self._job, rows=None)
+        return await asyncio.to_thread(to_file, result, typed, name)
+
+    def _answer(self, size: int | None) -> None:
+        if size is None:
+            self._say("The file is there. Enter again replaces it.")
+        else:
+            self.app.notify(f"Wrote {size:,} bytes to {self.query_one(Input).value.strip()}.", markup=False)
+            self.dismiss()
+
+    def _fail(self, error: KgError) -> None:
+        self._say(f"{error.code}: {error.message}")
+
+    def _say(self, words: str) -> None:
+        self.query_one(".wrong", Static).update(printable(words))
+
+    def action_dismiss_screen(self) -> None:
+        """Go back and cancel the request."""
+        self.app.link.stop(self._job)
+        self.dismiss()
+
+
+class StoredScreen(ListScreen):
+    """Lists the stored queries; returns the text of one with its parameters bound."""
+
+    TITLE_WORDS = "Stored queries"
+    EMPTY = "Reading the stored queries …"
+
+    def on_mount(self) -> None:
+        """Request the queries."""
+        super().on_mount()
+        deliver(self, partial(self.app.link.call, "stored"), self._answer, self.app.report)
+
+    def _answer(self, answer: dict[str, Any]) -> None:
+        self.entries = answer["queries"]
+        self.fill()
+
+    def words(self, entry: dict[str, Any]) -> tuple[str, str]:
+        """Return title, and name with parameters."""
+        return entry["title"], " ".join([entry["query"], *(f"?{one['name']}" for one in entry["parameters"])])
+
+    def preview(self, entry: dict[str, Any]) -> str:
+        """Return the purpose of the query, and its text."""
+        lines = [line for line in entry["text"].splitlines() if not line.startswith("#")]
+        return "\n\n".join(part for part in (entry["description"], "\n".join(lines).strip()) if part)
+
+    def choose(self, entry: dict[str, Any]) -> None:
+        """Open the form for the parameters, if there are any."""
+        if entry["parameters"]:
+            self.app.push_screen(FormScreen(entry), self._bound)
+        else:
+            self.dismiss(entry["text"])
+
+    def _bound(self, text: str | None) -> None:
+        if text:
+            self.dismiss(text)
+
+
+class FormScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
+    """Asks for the parameters of a stored query; returns the text with their values."""
+
+    def __init__(self, query: dict[str, Any]) -> None:
+        super().__init__()
+        self._stored = query
+
+    def compose(self) -> ComposeResult:
+        """Yield a field for each parameter."""
+        with Vertical(classes="dialog"):
+            yield Static(self._stored["title"], classes="title", markup=False)
+            with VerticalScroll():
+                for one in self._stored["parameters"]:
+                    default = f"; default {one['default']}" if one["default"] else "; may be left out"
+                    yield Label(f"{one['name']}: {one['description']} ({one['type']}{default})", markup=False)
+                    yield Input(placeholder=f"for example {one['example']}", name=one["name"])
+            yield Static("", classes="wrong", markup=False)
+            yield Static("Enter: put the query into a buffer. Tab: next field. Esc: back.", classes="hint")
+
+    def on_mount(self) -> None:
+        """Focus the first field."""
+        self.query(Input).first().focus()
+
+    @on(Input.Submitted)
+    def action_choose(self) -> None:
+        """Return the bound query, or show which value is invalid."""
+        values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}
+        request = partial(self.app.link.call, "stored", name=self._stored["query"], values=values)
+        deliver(self, request, lambda answer: self.dismiss(answer["bound"]), self._fail, latest="bind")
+
+    def _fail(self, error: KgError) -> None:
+        hint = f" {error.hint}" if error.hint else ""
+        self.query_one(".wrong", Static).update(f"{error.code}: {error.message}.{hint}")

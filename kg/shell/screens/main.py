@@ -1,7 +1,10 @@
-"""The main screen: tree, buffers with their results, and the status line."""
+"""The main screen: tree, buffers with their running queries and results, and the status line."""
 
 from __future__ import annotations
 
+import re
+import secrets
+import time
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
@@ -13,21 +16,20 @@ from textual.events import DescendantBlur
 from textual.screen import Screen
 from textual.widgets import Footer, Static, TabbedContent, TextArea
 
+from kg.errors import KgError
 from kg.lazily import lazily
-from kg.query.formats import display
-from kg.query.result import Graph, Solutions
-from kg.query.statements import statements
+from kg.query.result import Boolean, Graph, Result, Solutions
+from kg.query.statements import statement_at, statements
+from kg.query.writing.values import display
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.buffers import Buffer, Buffers
-from kg.shell.completing import Completions, begins_word
 from kg.shell.delivery import deliver, is_open
-from kg.shell.editor import Problem, QueryEditor
-from kg.shell.results import AnswerTable, ResultView, columns_of
-from kg.shell.runs import Runs
+from kg.shell.editor import Completions, Problem, QueryEditor, begins_word
+from kg.shell.results import AnswerTable, ResultView, columns_of, copied, formats_of, rows_of
+from kg.shell.state import Entry, State
 from kg.shell.tree import KnowledgeTree
-from kg.shell.writing import copied, formats_of
-from kg.syntax.names import shorten
+from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,18 +38,132 @@ if TYPE_CHECKING:
     from textual.binding import BindingType
     from textual.timer import Timer
 
-    from kg.errors import KgError
     from kg.query.readers.pool import Job
     from kg.shell.app import Shell
     from kg.shell.link import Link
-    from kg.shell.state import State
+
 
 with lazily():
-    from kg.shell.screens.export import ExportScreen
-    from kg.shell.screens.jump import JumpScreen
-    from kg.shell.screens.listing import ChoiceScreen, HistoryScreen
+    from kg.shell.screens.listing import ChoiceScreen, ExportScreen, HistoryScreen, JumpScreen, StoredScreen
     from kg.shell.screens.page import PageScreen, row_page, thing
-    from kg.shell.screens.stored import StoredScreen
+
+
+class Runs:
+    """Starts and stops the queries of a screen's buffers."""
+
+    def __init__(self, screen: MainScreen) -> None:
+        self._screen = screen
+        self._link = screen.link
+        self._was_running = False
+
+    def start_at_cursor(self, buffer: Buffer) -> None:
+        """Run the selected text of a buffer, or the query at its cursor."""
+        editor = buffer.editor
+        if editor.selected_text.strip():
+            self.start(buffer, editor.selected_text, editor.offset_at(min(editor.selection)))
+            return
+        statement = statement_at(buffer.text, editor.offset_of_cursor)
+        if statement is None:
+            self._screen.notify("This buffer has no query.", severity="warning", timeout=3)
+        else:
+            self.start(buffer, statement.text, statement.start)
+
+    def start(self, buffer: Buffer, text: str, offset: int, *, whole: bool = False) -> None:
+        """Run a query at `offset` of a buffer; `whole` removes the limit of rows."""
+        if buffer.job is not None:
+            self._screen.notify("A query of this buffer runs; Esc stops it.", severity="warning", timeout=3)
+            return
+        buffer.job = secrets.token_hex(8)
+        buffer.results.say("running …")
+        limit = None if whole else self._link.settings.limit or None
+        self._screen.run_worker(self._run(buffer, text, offset, limit, _place(buffer)), group=buffer.job)
+
+    def stop(self, buffer: Buffer | None) -> bool:
+        """Stop the query of a buffer; return False if there is none."""
+        return buffer is not None and buffer.job is not None and self._link.stop(buffer.job)
+
+    def show_status(self) -> None:
+        """Show running queries and their times in the status line."""
+        buffer = self._screen.buffers.current
+        job = self._link.job(buffer.job) if buffer and buffer.job else None
+        if job or self._was_running:
+            self._screen.status.run(job)
+        self._was_running = job is not None
+
+    async def _run(self, buffer: Buffer, text: str, offset: int, limit: int | None, before: tuple[str, object]) -> None:
+        began, outcome, rows = time.time(), "ok", 0
+        clock = time.perf_counter()
+        job = buffer.job or ""
+        buffer.last_query = text
+        try:
+            result = await self._link.ask(text, job=job, rows=limit)
+        except KgError as error:
+            outcome = error.code
+            if is_open(buffer):
+                _show_failure(buffer, error, text, offset, at_hand=self._is_at_hand(buffer, before))
+        else:
+            rows = len(rows_of(result))
+            prefixes = await self._prefixes(text, result)
+            if is_open(buffer):
+                buffer.results.show(result, self._link.settings.base, prefixes)
+                self._screen.check_text(buffer)  # marks of earlier errors are gone, hints about an empty result remain
+                if (rows or isinstance(result, Boolean)) and self._is_at_hand(buffer, before):
+                    buffer.results.table.focus()
+        finally:
+            buffer.job = None
+        seconds = time.perf_counter() - clock
+        self._screen.state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
+        self._screen.keep()
+        self.show_status()
+
+    def _is_at_hand(self, buffer: Buffer, before: tuple[str, object]) -> bool:
+        """Return whether the user waits for a result: after further typing, the focus stays in the editor."""
+        return buffer is self._screen.buffers.current and _place(buffer) == before
+
+    async def _prefixes(self, text: str, result: Result) -> dict[str, str]:
+        """Return the prefixes that shorten a result: those of its query override others."""
+        declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
+        try:
+            stored = await self._link.prefixes(result.snapshot)
+        except KgError:
+            stored = PREFIXES
+        # Twice: they come first, so that a namespace with several prefixes gets theirs, and override those known.
+        return {**declared, **stored, **declared}
+
+
+def _place(buffer: Buffer) -> tuple[str, object]:
+    """Return the selected text of a buffer with its place, or all of it with the cursor."""
+    return buffer.text, buffer.editor.selection
+
+
+def _show_failure(buffer: Buffer, error: KgError, text: str, offset: int, *, at_hand: bool) -> None:
+    """Show an error and mark its place; move the cursor there if the user waits for it."""
+    problem = _mark_of(error, text, offset)
+    location = buffer.editor.location_at(problem.start) if problem else None
+    buffer.results.show_error(error, location)
+    if problem and location:
+        if not any(one.start == problem.start for one in buffer.editor.problems):
+            buffer.mark([problem])
+        if at_hand:
+            buffer.editor.move_cursor(location)
+            buffer.editor.focus()
+
+
+def _mark_of(error: KgError, text: str, offset: int) -> Problem | None:
+    """Return the mark of an error about a query at `offset` of its buffer."""
+    place = error.place
+    if place is None or place.line is None or place.column is None:
+        return None
+    start = _offset(text, place.line, place.column)
+    end = _offset(text, place.end_line, place.end_column) if place.end_line and place.end_column else start + 1
+    words = f"{error.message}. {error.hint}" if error.hint else error.message
+    return Problem(offset + start, offset + end, "error", words)
+
+
+def _offset(text: str, line: int, column: int) -> int:
+    lines = text.split("\n")
+    return sum(len(one) + 1 for one in lines[: line - 1]) + column - 1
+
 
 _FOLLOW_SECONDS: Final = 2.0  # seconds between checks for a new generation of the store
 _RUNNING_SECONDS: Final = 0.2
@@ -121,7 +237,7 @@ class MainScreen(Screen[None]):
         super().__init__()
         self.link = link
         self.state = state
-        self.runs = Runs(self, link, state)
+        self.runs = Runs(self)
         self._snapshot = link.snapshot()
         self._typing: Timer | None = None
         self._checking: Timer | None = None
@@ -261,7 +377,7 @@ class MainScreen(Screen[None]):
 
     def action_stored(self) -> None:
         """Choose a stored query."""
-        self.app.push_screen(StoredScreen(self.link), self._take)
+        self.app.push_screen(StoredScreen(), self._take)
 
     def action_jump(self) -> None:
         """Go to a panel by its letter."""
@@ -301,15 +417,13 @@ class MainScreen(Screen[None]):
             return
         query = buffer.last_query if isinstance(view.result, Solutions) else ""
         fact = row if isinstance(view.result, Graph) else None
-        self.app.push_screen(
-            PageScreen(self.link, row_page(columns_of(view.result), row, view.row_number(), query, fact))
-        )
+        self.app.push_screen(PageScreen(row_page(columns_of(view.result), row, view.row_number(), query, fact)))
 
     def action_open_cell(self) -> None:
         """Open the thing in the cell."""
         cell = view.cell() if (view := self._view()) else None
         if isinstance(cell, NamedNode):
-            self.app.push_screen(PageScreen(self.link, thing(cell.value, display(cell))))
+            self.app.push_screen(PageScreen(thing(cell.value, display(cell))))
         elif view:
             self.app.notify("The cell names no thing; Enter shows the whole row.", timeout=3)
 
@@ -350,7 +464,7 @@ class MainScreen(Screen[None]):
         """Write the whole answer to a file."""
         view, buffer = self._view(), self.buffers.current
         if buffer and view is not None and view.result is not None:
-            self.app.push_screen(ExportScreen(self.link, view.result, buffer.last_query))
+            self.app.push_screen(ExportScreen(view.result, buffer.last_query))
 
     def action_reload(self) -> None:
         """Reload the tree."""
@@ -362,7 +476,7 @@ class MainScreen(Screen[None]):
         tree = self.query_one(KnowledgeTree)
         entry = tree.entry
         if entry.get("iri"):
-            self.app.push_screen(PageScreen(self.link, thing(entry["iri"], entry["label"])))
+            self.app.push_screen(PageScreen(thing(entry["iri"], entry["label"])))
         elif tree.cursor_node:
             tree.cursor_node.toggle()
 

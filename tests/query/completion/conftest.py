@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kg.query.completion.keeping import SnapshotCache
 from kg.query.completion.service import complete
+from kg.query.completion.statistics import SnapshotCache
 from kg.query.stored import discover
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from kg.query.completion.vocabulary import KEYWORDS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.query.completion.keeping import SnapshotCache
+    from kg.query.completion.statistics import SnapshotCache
 
     Offered = Callable[[str], list[dict[str, Any]]]
 

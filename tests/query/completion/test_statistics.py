@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 import pytest
 from pyoxigraph import Store
 
-from kg.query.completion.keeping import SnapshotCache
 from kg.query.completion.service import complete
-from kg.query.completion.statistics import SAMPLE, Statistics, count
+from kg.query.completion.statistics import SAMPLE, SnapshotCache, Statistics, count
 from kg.store.snapshot import MemorySnapshot
 from kg.syntax.names import PREFIXES
 
@@ -62,7 +61,7 @@ def test_is_counted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     snapshot = snapshot_of(SMALL)
     first = SnapshotCache(tmp_path, snapshot).statistics()
     with monkeypatch.context() as patched:
-        patched.setattr("kg.query.completion.keeping.count", lambda _: pytest.fail("counted again"))
+        patched.setattr("kg.query.completion.statistics.count", lambda _: pytest.fail("counted again"))
         assert SnapshotCache(tmp_path, snapshot).statistics() == first
     (file,) = tmp_path.rglob("statistics.json")
     file.write_text("{")

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.query.completion.typed import Form, typed
+from kg.query.completion.site import Form, typed
 
 PIECES = [
     "SELECT",

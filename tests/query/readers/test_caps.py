@@ -18,7 +18,7 @@ from query.readers.asking import ALL, descendants, outcome, program, until, whol
 
 from kg.errors import KgError
 from kg.pipeline.updating import child as updating
-from kg.query.readers import child
+from kg.query.readers import forkserver
 from kg.query.readers.pool import Readers
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 PRODUCT = "SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i } ORDER BY ?i ?a"
 
 
-@pytest.mark.parametrize("module", [child, updating])
+@pytest.mark.parametrize("module", [forkserver, updating])
 def test_readers_run_where_memory_cannot_be_bounded(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
     """MacOS refuses a limit on address space: processes then run without one instead of failing."""
 

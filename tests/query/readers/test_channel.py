@@ -11,9 +11,9 @@ import pytest
 from patience import patient
 from query.readers.asking import question, until, whole
 
-from kg.query.readers.channel import Channel
 from kg.query.readers.messages import Progress, frame
 from kg.query.readers.pool import Readers
+from kg.query.readers.processes import Channel
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 from query.readers.asking import descendants, outcome, program, until, whole
 
-from kg.query.readers.fleet import Fleet
 from kg.query.readers.messages import Configuration, Ready
 from kg.query.readers.pool import Readers
-from kg.query.readers.processes import Spawner
+from kg.query.readers.processes import Fleet, Spawner
 
 if TYPE_CHECKING:
     from kg.query.readers.processes import Process

@@ -7,8 +7,7 @@ import io
 import pytest
 
 from kg.errors import Place, QueryError
-from kg.query.readers.messages import Call, frame
-from kg.query.readers.requests import failure, received
+from kg.query.readers.messages import Call, failure, frame, received
 
 
 def test_requests_come_one_by_one_and_end() -> None:

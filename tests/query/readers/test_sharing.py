@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import QueryError
-from kg.query.readers.sharing import Sharing
+from kg.query.readers.scheduler import Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -186,7 +186,7 @@ def test_no_reader_is_left_paused_without_need(steps: list[tuple[str, int]]) -> 
 
 def test_turns_pass_without_being_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """While more are held than run, turns go on by a timer; afterwards nothing is scheduled."""
-    monkeypatch.setattr("kg.query.readers.sharing._TURN_SECONDS", 0.001)
+    monkeypatch.setattr("kg.query.readers.scheduler._ROUND_SECONDS", 0.001)
 
     async def run() -> None:
         sharing = Sharing(1, 10)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import QueryError
-from kg.query.readers.slots import Slots
+from kg.query.readers.scheduler import Slots
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
