@@ -70,6 +70,8 @@ _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
+_ANY: Final = "?"
+"""The namespace of a member that is a node handle, where it is not known."""
 _PLAIN_NODE: Final = Kind(("rcl_node_t",))
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
@@ -653,7 +655,9 @@ def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ..
 
 
 def _handle(namespace: str) -> Object:
-    return Object(Kind(("ros", "NodeHandle")), native={"namespace": Text.of(namespace)})
+    unknown = Text.hole("the class that makes the node handle gives its namespace", "namespace")
+    inside = unknown if namespace == _ANY else Text.of(namespace)
+    return Object(Kind(("ros", "NodeHandle")), native={"namespace": inside})
 
 
 def _shown(name: Value) -> Text | Unknown:

@@ -2,6 +2,7 @@
 #include <gazebo_plugins/gazebo_ros_camera_utils.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_msgs/Bool.h>
 
 namespace gazebo
 {
@@ -32,3 +33,14 @@ void Sonar::Advertise()
   this->points_ = this->rosnode_->advertise(options);
 }
 }  // namespace gazebo
+
+class Lamp : public outside::Base
+{
+public:
+  void start() override {this->state_ = this->handle_->advertise<std_msgs::Bool>("state", 1);}
+
+private:
+  ros::Publisher state_;
+};
+
+PLUGINLIB_EXPORT_CLASS(Lamp, outside::Base)
