@@ -367,7 +367,9 @@ class Framework:
             if arguments and any(isinstance(one, Object) for one in alternatives(arguments[0])):
                 return arguments[0], arguments[1:]
             return None, arguments
-        return (arguments[node] if isinstance(node, int) and node < len(arguments) else None), arguments
+        given = arguments[node] if isinstance(node, int) and node < len(arguments) else None
+        is_time = isinstance(given, Object) and "seconds" in given.native  # the node can be left out in front of it
+        return (None if is_time else given), arguments
 
     # Calls
 
