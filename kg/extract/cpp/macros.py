@@ -26,11 +26,19 @@ _CALL: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*\(")
 _PART: Final = re.compile(r'"(?:[^"\\]|\\.)*"|[()\[\]{},]')
 _LINE: Final = re.compile(rb"^[ \t]*(\w+)[ \t]*\(.*$", re.MULTILINE)
 _MOST_NESTED: Final = 8
-REGISTERING: Final = re.compile(
-    rb"\b(?:PLUGINLIB_\w+_CLASS|RCLCPP_COMPONENTS_REGISTER_NODE|CLASS_LOADER_REGISTER_CLASS"
-    rb"|GZ_REGISTER_\w+_PLUGIN|(?:GZ|IGNITION)_ADD_PLUGIN)\b"
-)
-"""A macro that registers a class for a loader."""
+EXPORTS: Final = {
+    "PLUGINLIB_EXPORT_CLASS": 0,
+    "PLUGINLIB_DECLARE_CLASS": 2,
+    "PLUGINLIB_REGISTER_CLASS": 1,
+    "RCLCPP_COMPONENTS_REGISTER_NODE": 0,
+    "CLASS_LOADER_REGISTER_CLASS": 0,
+    **dict.fromkeys(
+        (f"GZ_REGISTER_{kind}_PLUGIN" for kind in ("MODEL", "WORLD", "SENSOR", "SYSTEM", "VISUAL", "GUI")), 0
+    ),
+    **dict.fromkeys(("GZ_ADD_PLUGIN", "IGNITION_ADD_PLUGIN"), 0),
+}
+"""Macros that register a class, with the index of the class among their arguments."""
+_EXPORTING: Final = re.compile(rf"\b(?:{'|'.join(EXPORTS)})\b".encode())
 
 
 @dataclass(slots=True, eq=False)
@@ -78,20 +86,26 @@ def calls_in(text: str) -> list[tuple[str, tuple[str, ...]]]:
     """Return the calls of a text that consists of calls in a row, each with its arguments; none for other texts."""
     calls: list[tuple[str, tuple[str, ...]]] = []
     place = 0
-    while (head := _CALL.match(text, place)) is not None:
-        depth, begin, arguments = 1, head.end(), []
-        for part in _PART.finditer(text, begin):
-            depth += 1 if part[0] in "([{" else -1 if part[0] in ")]}" else 0
-            if depth == 0 or (depth == 1 and part[0] == ","):
-                arguments.append(text[begin : part.start()].strip())
-                begin = part.end()
-            if depth == 0:
-                break
-        else:
-            return []
-        calls.append((head[1], tuple(arguments)))
-        place = begin
+    while (call := _call_at(text, place)) is not None:
+        name, arguments, place = call
+        calls.append((name, arguments))
     return calls if not text[place:].strip() else []
+
+
+def _call_at(text: str, place: int) -> tuple[str, tuple[str, ...], int] | None:
+    """Return the call that begins at a place: its name, its arguments and where it ends; None if none does."""
+    head = _CALL.match(text, place)
+    if head is None:
+        return None
+    depth, begin, arguments = 1, head.end(), []
+    for part in _PART.finditer(text, begin):
+        depth += 1 if part[0] in "([{" else -1 if part[0] in ")]}" else 0
+        if depth == 0 or (depth == 1 and part[0] == ","):
+            arguments.append(text[begin : part.start()].strip())
+            begin = part.end()
+        if depth == 0:
+            return head[1], tuple(arguments), begin
+    return None
 
 
 class Registrations:
@@ -104,12 +118,12 @@ class Registrations:
         """Take the contents of files."""
         self._macros: dict[str, tuple[tuple[str, ...], str]] = {}
         for source in sources:
-            if b"define" in source and REGISTERING.search(source) is not None:
+            if b"define" in source and _EXPORTING.search(source) is not None:
                 self._add(source)
 
     def _add(self, source: bytes) -> None:
         defined = {match[1]: match for match in _DEFINED_WITH_PARAMETERS.finditer(source)}
-        found = {name for name, match in defined.items() if REGISTERING.search(match[3]) is not None}
+        found = {name for name, match in defined.items() if _EXPORTING.search(match[3]) is not None}
         size = -1
         while len(found) > size:  # macros that call these
             size = len(found)
@@ -126,9 +140,9 @@ class Registrations:
         return _LINE.sub(self._line, source)
 
     def _line(self, match: re.Match[bytes]) -> bytes:
-        in_macro = match.string[: match.start()].rstrip(b"\r\n").endswith(b"\\")
-        if in_macro or match[1].decode() not in self._macros:
-            return match[0]
+        before = match.string[max(match.start() - 3, 0) : match.start()]
+        if match[1].decode() not in self._macros or before.rstrip(b"\r\n").endswith(b"\\"):
+            return match[0]  # the latter is within a macro
         text = match[0].decode("utf-8", "replace").partition("//")[0].strip().removesuffix(";")
         return self._text(text, 0).encode() or match[0]
 
@@ -139,25 +153,14 @@ class Registrations:
         for match in re.finditer(rf"\b(?:{pattern})\s*\(", text):
             if match.start() < place:
                 continue
-            end = _end_of_call(text, match.end())
-            calls = calls_in(text[match.start() : end])
-            if not calls or depth > _MOST_NESTED:
+            call = _call_at(text, match.start())
+            if call is None or depth > _MOST_NESTED:
                 return ""
-            name, given = calls[0]
+            name, given, end = call
             parameters, inner = self._macros[name]
             parts += [text[place : match.start()], self._text(_filled(parameters, inner, given), depth + 1)]
             place = end
         return "".join([*parts, text[place:], ";"])
-
-
-def _end_of_call(text: str, begin: int) -> int:
-    """Return where the call ends whose arguments begin at a place."""
-    depth = 1
-    for part in _PART.finditer(text, begin):
-        depth += 1 if part[0] in "([{" else -1 if part[0] in ")]}" else 0
-        if depth == 0:
-            return part.end()
-    return len(text)
 
 
 def add_inner_macros(unit: CppUnit) -> None:

@@ -17,6 +17,7 @@ from kg.extract.cpp import syntax
 from kg.extract.cpp.kinds import inside
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
+from kg.extract.cpp.macros import EXPORTS
 from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.cpp.syntax import line_of
 from kg.extract.cpp.units import CppClass, CppUnit
@@ -48,18 +49,6 @@ _KINDS: Final = {
     Registration.COMPONENT: NodeKind.COMPONENT,
     Registration.PLUGIN: NodeKind.PLUGIN,
 }
-_EXPORTS: Final = {
-    "PLUGINLIB_EXPORT_CLASS": 0,
-    "PLUGINLIB_DECLARE_CLASS": 2,
-    "PLUGINLIB_REGISTER_CLASS": 1,
-    "RCLCPP_COMPONENTS_REGISTER_NODE": 0,
-    "CLASS_LOADER_REGISTER_CLASS": 0,
-    **dict.fromkeys(
-        (f"GZ_REGISTER_{kind}_PLUGIN" for kind in ("MODEL", "WORLD", "SENSOR", "SYSTEM", "VISUAL", "GUI")), 0
-    ),
-    **dict.fromkeys(("GZ_ADD_PLUGIN", "IGNITION_ADD_PLUGIN"), 0),
-}
-"""Macros that register a class, with the index of the class among their arguments."""
 _MAKER: Final = re.compile(
     rb'\bextern\s+"C"\s*(?:\{\s*)?(?:[A-Z_]+\s+)?([\w:]+)\s*\*\s*\w+\s*\([^()]*\)\s*\{\s*return\s+new\s+([\w:]+)\s*[({;]'
 )
@@ -231,7 +220,7 @@ class _Nodes:
 
     def _registered(self, file: FilePath) -> Iterator[PluginClass]:
         """Yield the classes that a file registers by macros, or creates in functions for a program that loads it."""
-        words = [word for word in _EXPORTS if self._project.contains(file, word.encode())]
+        words = [word for word in EXPORTS if self._project.contains(file, word.encode())]
         makes = self._project.contains(file, b'extern "C"')
         unit = self._project.unit(file) if words or makes else None
         if unit is None:
@@ -243,7 +232,7 @@ class _Nodes:
                 if not given or function is None or syntax.text(function) != word:
                     continue
                 shown = [syntax.text(argument) for argument in given]
-                kind = shown[min(_EXPORTS[word], len(shown) - 1)]
+                kind = shown[min(EXPORTS[word], len(shown) - 1)]
                 base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
                 registration = _BASES.get(last_part(base or ""), Registration.PLUGIN)
                 if word == "RCLCPP_COMPONENTS_REGISTER_NODE":
