@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
 from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution, Role
-from kg.holes import PARENT, is_known
-from kg.names import normalise, resolve
+from kg.holes import PARENT, is_partial
+from kg.names import normalise
 from kg.symbolic.form import Literal
 from kg.symbolic.names import EMPTY, NODE_NAME, below, namespace_of
 from kg.symbolic.operators import COUNT
@@ -39,9 +39,12 @@ class Home(Protocol):
 
 
 def facts_of(
-    declared: Iterable[Declared], home: Home, ros: int, alone: str
+    declared: Iterable[Declared], home: Home, ros: int, alone: tuple[str, str]
 ) -> tuple[tuple[Interface, ...], tuple[Parameter, ...]]:
-    """Return the interfaces and parameters that calls declared, each once; `alone` is the name of the node."""
+    """Return the interfaces and parameters that calls declared, each once.
+
+    `alone` is the name of the node and its namespace when it is started alone.
+    """
     interfaces: dict[tuple[object, ...], Interface] = {}
     parameters: dict[tuple[object, ...], Parameter] = {}
     for one in declared:
@@ -98,11 +101,27 @@ def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:
     return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
 
 
-def name_of(framework: Framework, nodes: Iterable[Object]) -> str | None:
-    """Return the name that the code gives to a node, one of these objects; None if it gives none."""
-    own = (one.native.get("name") for one in nodes)
-    names = (value.exact for value in (*own, *framework.node_names) if isinstance(value, Text))
-    return next((name for name in names if name), None)
+def names_of(framework: Framework, nodes: Iterable[Object]) -> tuple[str | None, str | None]:
+    """Return the name and the namespace that the code gives to a node, the first of these objects with a name.
+
+    Either is None where the code gives none. The namespace is absolute, with a hole where it is not known.
+    """
+    named = ((_name(one), one) for one in nodes)
+    name, node = next(((name, one) for name, one in named if name), (None, None))
+    if node is None:
+        texts = (value.exact for value in framework.node_names if isinstance(value, Text))
+        return next((text for text in texts if text), None), None
+    return name, _namespace(node)
+
+
+def _name(node: Object) -> str | None:
+    own = node.native.get("name")
+    return own.exact if isinstance(own, Text) else None
+
+
+def _namespace(node: Object) -> str | None:
+    own = node.native.get("own namespace")
+    return normalise(f"/{own.shown}") if isinstance(own, Text) else None
 
 
 def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
@@ -180,7 +199,7 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     return shown, name.resolution, name.parameter, name.reason
 
 
-def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> Interface:
+def _interface(one: Declared, role: Role, home: Home, ros: int, alone: tuple[str, str]) -> Interface:
     name, resolution, parameter, reason = _named(one.name)
     place, via = evidence(one.stack, home)
     return Interface(
@@ -189,7 +208,6 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         type=one.type,
         resolution=resolution,
         location=place,
-        resolved=_resolved(name, one, alone) if is_known(name) else None,
         written=one.written,
         parameter=parameter,
         implicit=one.effect.implicit,
@@ -203,13 +221,16 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
     )
 
 
-def _other_node(one: Declared, alone: str) -> str | None:
-    """Return the name of the node that has an interface; None for the node of the program that is `alone`."""
-    native = one.node.native if one.node is not None else {}
-    name, namespace = (
-        one.exact if isinstance(one, Text) else None for one in (native.get("name"), native.get("namespace"))
-    )
-    return name if name and name != alone and not (namespace or "").strip("/") and not name.startswith("_") else None
+def _other_node(one: Declared, alone: tuple[str, str]) -> str | None:
+    """Return the name of the node that has an interface; None for the node of the program that is `alone`.
+
+    It is absolute if the code gives that node a namespace.
+    """
+    name = _name(one.node) if one.node is not None else None
+    namespace = (_namespace(one.node) if one.node is not None else None) or "/"
+    if not name or (name, namespace) == alone or name.startswith("_") or is_partial(namespace):
+        return None
+    return name if namespace == "/" else f"{namespace}/{name}"
 
 
 def _switch(term: str, naming: str | None) -> str | None:
@@ -221,16 +242,6 @@ def _switch(term: str, naming: str | None) -> str | None:
         return f"{naming} is set"
     about_others = COUNT.fullmatch(term) is not None or term.startswith(("argv[", "!argv[", "?", "!?"))
     return None if about_others else term
-
-
-def _resolved(name: str, one: Declared, alone: str) -> str:
-    """Return a name for the node started alone; the namespace that the code gives is in front of private names."""
-    native = one.node.native if one.node is not None else {}
-    own, namespace = native.get("name"), native.get("namespace")
-    given = one.node is not None and one.node.kind.name != "NodeHandle" and "of" not in native
-    exact = namespace.exact if given and isinstance(namespace, Text) else None
-    inside = exact if exact and name.startswith("~") and not exact.startswith("~") else "/"
-    return resolve(name, (own.exact if isinstance(own, Text) else None) or alone, inside)
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:

@@ -112,8 +112,8 @@ def _started_by(loaded: Extracted, executable: Extracted) -> Extracted:
     node = replace(
         node,
         node_name=first.node_name or second.node_name,
+        node_namespace=first.node_namespace or second.node_namespace,
         sources=_once(first.sources + second.sources),
-        interfaces=tuple(replace(one, resolved=None) for one in node.interfaces),
         bounds=_once(first.bounds + second.bounds),
         slots=_once(first.slots + second.slots),
     )
@@ -129,6 +129,7 @@ def _both(one: Extracted, other: Extracted) -> Extracted:
     node = replace(
         first,
         node_name=first.node_name or second.node_name,
+        node_namespace=first.node_namespace or second.node_namespace,
         base_class=first.base_class or second.base_class,
         exported=first.exported or second.exported,
         sources=_once(first.sources + second.sources),
@@ -174,11 +175,15 @@ def own_name(node: NodeType) -> str:
 
 
 def _resolved(node: NodeType) -> Iterable[Interface]:
+    """Yield the interfaces with the names that they have if the node is started alone, where its namespace is known."""
     for interface in node.interfaces:
-        if interface.resolved is None and interface.name is not None:
-            yield replace(interface, resolved=resolve(interface.name, own_name(node)))
-        else:
+        namespace, name = node.node_namespace or "/", own_name(node)
+        if interface.node is not None:
+            namespace, _, name = interface.node.rpartition("/")
+        if interface.name is None or (is_partial(namespace) and not interface.name.startswith("/")):
             yield interface
+        else:
+            yield replace(interface, resolved=resolve(interface.name, name, namespace))
 
 
 def _place(location: Location) -> tuple[str, str, int]:

@@ -303,6 +303,11 @@ class NodeType:
     plugin: str | None = None
     node_name: str | None = None
     """The node's own name (`ros::init`, `Node("...")`), before any remapping."""
+    node_namespace: str | None = None
+    """The absolute namespace that its code gives it (ROS 2), in place of `/`, unless it is started in another one.
+
+    Relative names of its interfaces do not contain it. It has a hole where it is not known.
+    """
     base_class: str | None = None
     """Base class of a plugin or nodelet (`nodelet::Nodelet`, `nav2_core::Controller`)."""
     aliases: tuple[str, ...] = ()

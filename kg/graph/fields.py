@@ -145,6 +145,7 @@ NODE: Final = Fields(
     _Field("ros", v.ROS_VERSION, integer, _count),
     _Field("plugin", v.PLUGIN_NAME),
     _Field("node_name", v.NODE_NAME),
+    _Field("node_namespace", v.NODE_NAMESPACE),
     _Field("base_class", v.BASE_CLASS),
     _Field("aliases", v.ALIAS, several=True),
 )

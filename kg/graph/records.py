@@ -32,6 +32,7 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         "ros": node.ros,
         "sources": list(node.sources),
         "node_name": node.node_name,
+        "node_namespace": node.node_namespace,
         "node_aliases": list(node.aliases),
         "base_class": node.base_class,
         "start": how_to_start(record),

@@ -224,7 +224,11 @@ class Descriptions:
         if not names or not is_managed(names[-1]) or self.language != "cpp":
             return None
         managed = next(iter(self.classes.get(_MANAGED, ())), None)
-        return replace(managed, node_name=None, runs=tuple(f"*{name}" for name in managed.runs)) if managed else None
+        return (
+            replace(managed, node_name=None, namespace=None, runs=tuple(f"*{name}" for name in managed.runs))
+            if managed is not None
+            else None
+        )
 
 
 _MANAGED: Final = "LifecycleNode"

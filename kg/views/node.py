@@ -141,9 +141,9 @@ def node(
     `name` may also be `package/node`, `repository:package/node` or the class of a plugin. The keys:
 
     * what it is: `iri`, `name`, `full_name`, `kind`, `language`, `ros`, `package` and `repository` (each with
-      `name` and `iri`), `commit`, `executable`, `plugin`, `node_name`, `aliases`, `base_class`, `exported` (evidence
-      of what registers a plugin, or None), `start` (the command), `evidence`, `sources` (evidence of each), `also`
-      (IRIs of other nodes that the package declares by this name).
+      `name` and `iri`), `commit`, `executable`, `plugin`, `node_name`, `node_namespace`, `aliases`,
+      `base_class`, `exported` (evidence of what registers a plugin, or None), `start` (the command), `evidence`,
+      `sources` (evidence of each), `also` (IRIs of other nodes that the package declares by this name).
     * `interfaces`, `parameters` and `slots`: see `kg.views.node_rows`; `neighbours` and `used_in`: see
       `kg.views.node`.
     * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first. `package_description`: the same of the
@@ -202,6 +202,7 @@ def _header(record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any]:
         "executable": declared.executable,
         "plugin": declared.plugin,
         "node_name": declared.node_name,
+        "node_namespace": declared.node_namespace,
         "aliases": list(declared.aliases),
         "base_class": declared.base_class,
         "exported": where.evidence(repository, declared.exported) if declared.exported is not None else None,

@@ -53,6 +53,7 @@ def record_of(node: NodeType, package: str) -> Record:
         "language": node.language,
         "ros": node.ros,
         "node_name": node.node_name,
+        "node_namespace": node.node_namespace,
         "line": node.location.line,
         "sources": list(node.sources),
         **{role: [interface_record(item) for item in written if item.role == role] for role in ROLES},

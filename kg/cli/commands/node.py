@@ -14,6 +14,7 @@ from kg.cli.systems import Launch
 from kg.errors import UsageError
 from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
 from kg.lazily import lazily
+from kg.names import join
 from kg.render.text import count, printable, some, width
 from kg.settings import Settings
 from kg.store.opening import reading
@@ -415,8 +416,8 @@ def _type_header(record: "NodeRecord", links: "Links") -> "Iterable[Text]":
         if node.exported is not None:
             text = text.append(" by ", style="dim").append_text(place_text(node.exported, record.repository, links))
         yield text
-    if node.node_name and node.node_name != node.name:
-        yield _field("name", f"calls itself {node.node_name}")
+    if node.node_name and (node.node_name != node.name or node.node_namespace):
+        yield _field("name", f"calls itself {join(node.node_namespace or '', node.node_name)}")
     yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
     for bound in node.bounds:
         text = Text.assemble(_field("cut short", f"by the limit of {bound.limit} at "))

@@ -21,7 +21,7 @@ from kg.extract.cpp.macros import EXPORTS
 from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.cpp.syntax import line_of
 from kg.extract.cpp.units import CppClass, CppUnit
-from kg.extract.declared import bounds_of, facts_of, mark_of, name_of
+from kg.extract.declared import bounds_of, facts_of, mark_of, names_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
@@ -445,7 +445,7 @@ class _Nodes:
                 for one in extracted.node.interfaces:
                     if one.name is None or private is not None or not one.name.startswith("~"):
                         own = renamed.get(one.name, _below(private, one.name)) if one.name is not None else None
-                        interfaces.append(replace(one, name=own, resolved=None))
+                        interfaces.append(replace(one, name=own))
                 if private is not None:
                     parameters += [replace(one, name=_below(private, one.name)) for one in extracted.node.parameters]
         return interfaces, parameters
@@ -476,8 +476,9 @@ class _Nodes:
             declared = [one for one in declared if _belongs(one.node, root)]
             loadings = [one for one in loadings if _belongs(one.node, root)]
         ros = _version(framework)
-        named = name_of(framework, [root] if root is not None else framework.nodes)
-        interfaces, parameters = facts_of(declared, self._project, ros, named or node.name)
+        named, namespace = names_of(framework, [root] if root is not None else framework.nodes)
+        alone = named or node.name, namespace or "/"
+        interfaces, parameters = facts_of(declared, self._project, ros, alone)
         loaded_interfaces, loaded_parameters = self._loaded(framework)
         interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
         slots = slots_of(loadings, declared, self._project)
@@ -488,6 +489,7 @@ class _Nodes:
             node,
             ros=ros,
             node_name=named,
+            node_namespace=namespace,
             interfaces=interfaces,
             parameters=parameters,
             bounds=bounds_of(framework.machine.bounds, self._project),
@@ -541,6 +543,7 @@ def _as_executable(loaded: NodeType, executable: NodeType) -> NodeType:
         executable,
         ros=loaded.ros,
         node_name=loaded.node_name,
+        node_namespace=loaded.node_namespace,
         interfaces=loaded.interfaces,
         parameters=loaded.parameters,
         bounds=loaded.bounds,

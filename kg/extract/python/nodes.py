@@ -12,7 +12,7 @@ from itertools import chain
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from kg.extract.declared import bounds_of, facts_of, mark_of, name_of
+from kg.extract.declared import bounds_of, facts_of, mark_of, names_of
 from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, PythonUnit, mentions_ros
@@ -186,8 +186,9 @@ class _Nodes:
     def _extracted(self, framework: Framework, root: _Root) -> Extracted:
         self._started.update(made.kind.cls for made in framework.nodes)
         ros = self._version(framework, root)
-        named = name_of(framework, framework.nodes)
-        interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or root.name)
+        named, namespace = names_of(framework, framework.nodes)
+        alone = named or root.name, namespace or "/"
+        interfaces, parameters = facts_of(framework.declared, self._modules, ros, alone)
         interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
         stacks = [one.stack for one in framework.declared] + [stack for _, _, stack, _ in framework.marks]
@@ -201,6 +202,7 @@ class _Nodes:
             executable=root.executable,
             plugin=root.plugin,
             node_name=named,
+            node_namespace=namespace,
             sources=tuple(sorted({place.unit.path for place in places} | {root.path})),
             interfaces=interfaces,
             parameters=parameters,

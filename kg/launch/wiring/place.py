@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
+from kg.facts import StartKind
 from kg.holes import ANONYMOUS, PARENT, substitute
 from kg.launch.wiring.plugin_table import rows
 from kg.launch.wiring.types import own_name
@@ -81,8 +82,9 @@ def _called() -> dict[str, str]:
 def place_of(started: StartedNode, node: NodeType | None) -> Place:
     """Return the place of a started node.
 
-    In ROS 2 a node without a name keeps its own, which is that of the program where the type is not known; rules for
-    `__node`, `__name` and `__ns` count where the launch file gives nothing else.
+    In ROS 2 a node keeps the name and the namespace that its code gives it, unless the launch file gives others; the
+    name is that of the program where the type is not known. Rules for `__node`, `__name` and `__ns` count where the
+    launch file gives nothing else.
     """
     rules = {rule.source: rule.target for rule in reversed(started.remaps) if rule.source.startswith("__")}
     name = started.name or rules.get("__node") or rules.get("__name")
@@ -95,4 +97,8 @@ def place_of(started: StartedNode, node: NodeType | None) -> Place:
     if namespace == "/" and "__ns" in rules:
         namespace = normalise(f"/{rules['__ns']}")
     inner, _, last = normalise(name).strip("~/").rpartition("/")
+    if started.kind is StartKind.INNER and name.startswith("/"):  # the code gives this node a namespace
+        return Place(normalise(f"/{inner}") if namespace == "/" else namespace, last)
+    if namespace == "/" and node is not None and node.node_namespace is not None:
+        namespace = node.node_namespace
     return Place(normalise(f"{namespace}/{inner}"), last or ANONYMOUS)

@@ -59,6 +59,7 @@ def node_type(row: Mapping[str, Any], ros: int) -> NodeType:
         executable=row.get("executable"),
         plugin=row.get("plugin"),
         node_name=row.get("node_name"),
+        node_namespace=row.get("node_namespace"),
         base_class=row.get("base_class"),
         aliases=tuple(row.get("aliases", ())),
         interfaces=tuple(interfaces),
