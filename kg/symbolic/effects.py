@@ -490,6 +490,7 @@ class Framework:
             nodes: tuple[Value | None, ...] = alternatives(call.node) if call.node is not None else (None,)
             certain = all(type(value) is not Either for value in given.values)
             rows = [given] if certain else [replace(given, values=list(row)) for row in combinations(given.values)]
+            rows = [row for row in rows if not _is_unset(effect, row)] or rows
             results = [self._apply(effect, Invocation(one, row, call.kind)) for one in nodes for row in rows]
             values = [one for one in results if one is not None]
             read = join(*values) if values else None
@@ -665,6 +666,14 @@ class Framework:
         """Check whether an argument of a running call is a variable with a text."""
         values = (self.machine.value(one, frame) for one in given if isinstance(one, Name))
         return any(isinstance(value, Text) and value.exact == text for value in values)
+
+
+def _is_unset(effect: Effect, given: Arguments) -> bool:
+    """Check whether the name of an interface is that of a text to which the code that was run assigns nothing."""
+    if effect.role is None or effect.name is None or effect.name >= len(given.values):
+        return False
+    name = given.values[effect.name]
+    return isinstance(name, Text) and name.exact == "" and name.parameter is None
 
 
 def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ...]) -> str | None:

@@ -6,7 +6,7 @@ reaches one. Names are compared without their scopes, so the answer may be yes f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
 from kg.symbolic.descriptions import is_managed
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Class, Function
 
     Code: TypeAlias = Function | Class
+
+
+GIVES_NODE: Final = "(node)"
+"""A word of code that creates an object with a node or a handle, with which its class can do anything."""
 
 
 class Program(Protocol):
@@ -114,6 +118,8 @@ class Reach:
             self._changed.clear()
 
     def _has_effect(self, words: frozenset[str]) -> bool:
+        if GIVES_NODE in words:
+            return True
         for word in words & self._effects.keys():
             for scopes, classes in self._effects[word]:
                 if scopes and not any(scope <= words for scope in scopes) and not self._program.is_alias(word):

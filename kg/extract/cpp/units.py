@@ -13,6 +13,7 @@ from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
 from kg.extract.cpp.syntax import line_of
 from kg.symbolic.form import Block, Class, Declare, Expression, Field, Function, Initialiser, Parameter, Type, Unit
+from kg.symbolic.reach import GIVES_NODE
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -42,8 +43,9 @@ def included(source: bytes) -> dict[str, int]:
 
 
 def words_of(code: str) -> frozenset[str]:
-    """Return the identifiers in some code."""
-    return frozenset(_WORD.findall(code))
+    """Return the identifiers in some code, and `GIVES_NODE` if it creates an object that gets a node or a handle."""
+    words = frozenset(_WORD.findall(code))
+    return words | {GIVES_NODE} if _GIVING.search(code) else words
 
 
 def assigned_in(code: str) -> frozenset[str]:
@@ -69,6 +71,10 @@ _POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedP
 """Names of aliases in a class for pointers to it."""
 _PART: Final = re.compile(r"(?:[^:<]|<(?:[^<>]|<(?:[^<>]|<[^<>]*>)*>)*>)+")
 _WORD: Final = re.compile(r"[A-Za-z_]\w*")
+_GIVING: Final = re.compile(
+    r"(?:\bmake_(?:shared|unique)\s*<[^;()]*>|\bnew\s+[\w:]+|::\w+(?:<[^;()]*>)?\s+\w+)\s*[({](?:[^;(){}]*,)?\s*"
+    r"(?:\*|this->)?(?:\w*[Nn]ode_?|\w*nh_?|\w*node_?handle_?|shared_from_this\(\))\s*[,)}]"
+)
 _ASSIGNED: Final = re.compile(
     r"\b([A-Za-z_]\w*)(?:\[[^\]]*\])?\s*(?:(?:[-+*/%|&^]|<<|>>)?=(?!=)|\+\+|--|"
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"

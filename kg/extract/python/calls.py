@@ -156,6 +156,8 @@ class Calls:
             if not isinstance(member, Unknown):
                 return self.value(member, given)
         elif isinstance(of, TypeValue):
+            if name == "__subclasses__" and of.kind.cls is not None:
+                return self._language.subclasses(of.kind.cls)
             return self.value(self._language.member(of, name), given)
         else:
             result = library.method(self._language, of, name, given, written)

@@ -255,6 +255,15 @@ class Python:
                 pending = [*self._bases.get(current.cls, ()), *pending]  # depth first, as Python where no base recurs
         return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
 
+    def subclasses(self, cls: Class) -> Sequence:
+        """Return the classes of the program that have a class as a base, in the order of their definitions."""
+        for module in [*self._loaded.values()]:
+            unit = self._waiting.get(id(module))
+            if unit is not None and cls.name.encode() in unit.source:
+                self._run(module)
+        derived = (one for one, bases in self._bases.items() if any(base.cls is cls for base in bases))
+        return Sequence(tuple(TypeValue(kind_of_class(one)) for one in derived))
+
     @staticmethod
     def _as_node(base: Kind, classes: Iterable[Class]) -> Kind:
         """Return a base outside of the build; what is called a node and used as one of ROS 2 is presumed to be one."""

@@ -1,0 +1,3 @@
+from .model import Model
+from .linear import Linear
+from .plain import Plain
