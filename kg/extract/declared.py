@@ -234,14 +234,14 @@ def _other_node(one: Declared, alone: tuple[str, str]) -> str | None:
 
 
 def _switch(term: str, naming: str | None) -> str | None:
-    """Return a term of a guard as a switch; None if it is about the command line or what is set.
+    """Return a term of a guard as a switch; None if it is about the presence of an argument or what is set.
 
     An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too.
     """
     if term == f"?{naming}":
         return f"{naming} is set"
-    about_others = COUNT.fullmatch(term) is not None or term.startswith(("argv[", "!argv[", "?", "!?"))
-    return None if about_others else term
+    about_presence = term.removeprefix("!").startswith(("?", "argv[")) and " == " not in term
+    return None if about_presence or COUNT.fullmatch(term) is not None else term
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:

@@ -149,7 +149,7 @@ class Qos:
 
 
 class Switch(NamedTuple):
-    """A parameter that decides whether a node creates an interface.
+    """A parameter, or an argument of the command line, that decides whether a node creates an interface.
 
     Written `~/use_map` if it must be true, or a text that is not empty; `~/type == scan` or `~/cameras > 1` if it must
     have such a value, `~/topic is set` if it must be set. A `!` in front negates the condition.

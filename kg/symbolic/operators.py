@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import Resolution
 from kg.symbolic.durations import scaled
 from kg.symbolic.values import (
     Bound,
@@ -256,6 +257,8 @@ def _is_whole(value: Value, parameter: str) -> bool:
     """Check whether a value is that of a parameter, not one made of it."""
     if isinstance(value, Unknown):
         return value == without_default(parameter)
+    if isinstance(value, Text) and value.resolution is Resolution.LAUNCH_ARGUMENT:
+        return len(value.parts) == 1 and value.exact is None  # an argument of the command line
     return isinstance(value, (Text, Number)) and value.own and value.parameter == parameter
 
 

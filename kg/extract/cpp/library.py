@@ -317,6 +317,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _limit(name, given.template)
     if not values:
         return None
+    if name == "strcmp" and len(values) == _PAIR:
+        return over(values, lambda *row: compute("!=", row))
     if name in WITH_ARGUMENT:
         return manipulator(name, values)
     if name in _SAME:

@@ -258,6 +258,8 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place
         return setting is not None
     if setting is not None:
         fulfilled = _holds(switch, setting.value)
+    elif ARGUMENT.fullmatch(name):
+        fulfilled = False
     else:
         named = (one for one in node.parameters if one.name == switch.parameter and one.default is not None)
         defaults = {_holds(switch, one.default) for one in named}
