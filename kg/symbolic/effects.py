@@ -91,6 +91,8 @@ class Declared:
     default: Value | None = None
     guards: tuple[str, ...] = ()
     value_type: str | None = None
+    by_conversion: bool = False
+    """Whether conversions of the value say what its type is."""
     written: str | None = None
     """The expression that gives the name."""
     origin: str | None = None
@@ -124,7 +126,8 @@ class Framework:
         """The values that ports have by default."""
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
-        self._untyped: set[str | None] = set()
+        self._untyped: dict[str, set[str]] = {}
+        """Parameters whose type only conversions can give, each with the types that they gave."""
         """The parameters of which an access did not show the type."""
         self._described: dict[object, list[ClassDescription]] = {}
         self._alike: dict[object, tuple[list[ClassDescription], frozenset[str]]] = {}
@@ -544,15 +547,23 @@ class Framework:
                 self.declared[index] = replace(one, default=value, value_type=one.value_type or type_of_value(value))
 
     def converted(self, value: Value, name: str, template: tuple[Value, ...] = ()) -> None:
-        """Record the type that a conversion gives a parameter without one: `as_int`, `get_value<int>`, `bool_value`."""
+        """Record the type that a conversion gives a parameter without one: `as_int`, `get_value<int>`, `bool_value`.
+
+        Code that converts the same parameter to several types chooses one when it runs, so none is recorded.
+        """
         first = template[0] if template else None
         of = ros_type(first.kind) if isinstance(first, TypeValue) else None
         kind = of or _CONVERSIONS.get(name.removeprefix("as_").removesuffix("_value"))
-        parameter = getattr(value, "parameter", None) if kind is not None else None
-        for index, one in enumerate(self.declared) if parameter in self._untyped else ():
-            untyped = one.effect.access is not None and one.value_type is None
-            if untyped and isinstance(one.name, Text) and one.name.shown == parameter:
-                self.declared[index] = replace(one, value_type=kind)
+        parameter = getattr(value, "parameter", None)
+        if kind is None or parameter not in self._untyped:
+            return
+        kinds = self._untyped[parameter]
+        kinds.add(kind)
+        only = kind if len(kinds) == 1 else None
+        for index, one in enumerate(self.declared):
+            open_type = one.effect.access is not None and (one.value_type is None or one.by_conversion)
+            if open_type and isinstance(one.name, Text) and one.name.shown == parameter:
+                self.declared[index] = replace(one, value_type=only, by_conversion=True)
 
     def _apply(self, effect: Effect, call: Invocation) -> Value | None:
         """Add the interface or parameter of one effect; return the value of the parameter."""
@@ -639,7 +650,7 @@ class Framework:
         stack, passed = tuple(machine.stack), self._passing(name)
         default, kind = reading.default, reading.type
         if kind is None and isinstance(reading.name, Text):
-            self._untyped.add(reading.name.shown)
+            self._untyped.setdefault(reading.name.shown, set())
         self._add(Declared(effect, reading.name, None, owner, stack, default=default, value_type=kind, passed=passed))
         if effect.output is not None and given.frame is not None and effect.output < len(given.written):
             written = value

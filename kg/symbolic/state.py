@@ -12,6 +12,7 @@ from kg.symbolic.form import Call, Expression, Opaque, Type, Unit
 from kg.symbolic.operators import NULL, under
 from kg.symbolic.values import (
     ABSENT,
+    UNASSIGNED,
     Either,
     Enumerator,
     Kind,
@@ -49,7 +50,7 @@ def decides(value: object) -> bool:
     """Check whether a value decides conditions and is not part of a name: a number, null, something empty."""
     if isinstance(value, (Sequence, Mapping)):
         return not value.items
-    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET, _EMPTY)
+    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET, _EMPTY, UNASSIGNED)
 
 
 @final

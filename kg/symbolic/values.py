@@ -381,6 +381,10 @@ _READ_BACK: Final = frozenset({Text, Sequence, Either})
 """Elements that `read_back` changes."""
 
 
+UNASSIGNED: Final = Text(())
+"""A text that a declaration leaves empty. What code adds to it has the same text as what it adds to `""`."""
+
+
 def read_back(value: Value, name: str = "") -> Value:
     """Return a value as read from a variable rather than written in place; `name` labels it if it is unknown."""
     if type(value) is Unknown:
@@ -548,7 +552,10 @@ def number(value: float, parameter: str | None = None) -> Number:
 
 
 def concatenate(*values: Value) -> Value:
-    """Return the text of all values in a row; an unknown value becomes a hole."""
+    """Return the text of all values in a row; an unknown value becomes a hole.
+
+    So does a text after others that nothing assigned: code that is not known fills it, or nobody would put it there.
+    """
     if any(isinstance(value, Either) for value in values):
         return over(values, concatenate)
     parts: list[str | Hole] = []
@@ -556,6 +563,8 @@ def concatenate(*values: Value) -> Value:
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
+        if not piece.parts and parts:
+            piece = Text.hole("nothing assigns it in the code that was run")
         resolution = worse(resolution, piece.resolution)
         parameter = parameter or piece.parameter
         reason = reason or piece.reason

@@ -250,7 +250,8 @@ class Constructions:
             return value.items[0] if value.items else Unknown("it is null")
         kind = self._kinds.kind(field.type, own)
         if isinstance(kind, Kind):
-            return self.construct(kind, list(value.items), own, field.line, listed=True)
+            listed = bool(value.items) or kind.name not in library.TEXTS  # `std::string name{};` is `std::string name;`
+            return self.construct(kind, list(value.items), own, field.line, listed=listed)
         return value
 
 

@@ -22,6 +22,7 @@ from kg.symbolic.operators import compute, negate
 from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     LENGTH,
+    UNASSIGNED,
     Bound,
     Closure,
     Either,
@@ -214,7 +215,9 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
     """Return a new value of a library type; None for other types."""
     name = kind.name
     if name in TEXTS:
-        return join(*(as_text(item) for item in alternatives(arguments[0]))) if arguments else Text.of("")
+        if arguments:
+            return join(*(as_text(item) for item in alternatives(arguments[0])))
+        return Text.of("") if listed else UNASSIGNED
     if name in STREAMS:
         return Object(kind, native={"text": as_text(arguments[0]) if arguments else Text.of("")})
     if name == "format" and arguments:
