@@ -47,7 +47,8 @@ class Constructions:
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
         if not arguments and not expression.heap and (kind.name in library.NUMBERS or kind.name == "bool"):
             return library.stored(kind, number(0.0)) if kind.name != "bool" else Truth(False)
-        result = self.construct(kind, arguments, frame, expression.line, listed=expression.listed)
+        create = self._braced if expression.listed else self.construct
+        result = create(kind, arguments, frame, expression.line)
         if expression.heap and isinstance(result, Object):
             result.heap = True
         return result
@@ -250,9 +251,12 @@ class Constructions:
             return value.items[0] if value.items else Unknown("it is null")
         kind = self._kinds.kind(field.type, own)
         if isinstance(kind, Kind):
-            listed = bool(value.items) or kind.name not in library.TEXTS  # `std::string name{};` is `std::string name;`
-            return self.construct(kind, list(value.items), own, field.line, listed=listed)
+            return self._braced(kind, list(value.items), own, field.line)
         return value
+
+    def _braced(self, kind: Kind, items: list[Value], frame: Frame | None, line: int) -> Value:
+        """Return a new object that a declaration initialises with braces; without items a text is as without braces."""
+        return self.construct(kind, items, frame, line, listed=bool(items) or kind.name not in library.TEXTS)
 
 
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:

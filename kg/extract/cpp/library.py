@@ -192,7 +192,7 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
     if isinstance(value, Text):
         return 2.0 if name in TEXTS or name == "char" else (0.2 if resolved.cls is not None else -1.0)
     if isinstance(value, Number):
-        floating = "." in value.written
+        floating = value.floating
         if name in NUMBERS:
             return 2.0 if floating == (name in ("double", "float")) else 1.5
         return 1.0 if name == "bool" else (-2.0 if name in TEXTS else 0.1)

@@ -14,12 +14,13 @@ public:
     std::string frame;
     if (frame.empty()) d_ = create_publisher<std_msgs::msg::String>("d", 1);
     else e_ = create_publisher<std_msgs::msg::String>("e", 1);
-    std::string made;
+    std::string made{};
     for (const char* part : {"f", "/", "g"}) made = made + part;
     f_ = create_publisher<std_msgs::msg::String>(made, 1);
     std::stringstream stream; stream << "s" << "/t";
     g_ = create_publisher<std_msgs::msg::String>(stream.str(), 1);
-    h_ = create_publisher<std_msgs::msg::String>("pre_" + name_ + "post", 1);
+    std::string local{}; 
+    h_ = create_publisher<std_msgs::msg::String>(std::format("pre_{}post", local), 1);
   }
   rclcpp::PublisherBase::SharedPtr a_, b_, c_, d_, e_, f_, g_, h_;
 };

@@ -31,7 +31,7 @@ class N : public rclcpp::Node {
 public:
   N() : Node("n") {
     std::vector<ParameterWrapper> params{
-      {"frame", mFrame, "map"}, {"other", mOther}, {"count", mCount, 5}, {"rate", mRate, 1.0}, {"on", mOn, true}, {"plain", mCount}};
+      {"frame", mFrame, "map"}, {"other", mOther}, {"count", mCount, 5}, {"rate", mRate, 1.0}, {"most", quantity.rep, std::numeric_limits<float>::infinity()}, {"on", mOn, true}, {"plain", mCount}};
     ParameterWrapper::declareParameters(this, params);
   }
 };
