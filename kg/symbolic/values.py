@@ -381,8 +381,8 @@ _READ_BACK: Final = frozenset({Text, Sequence, Either})
 """Elements that `read_back` changes."""
 
 
-UNASSIGNED: Final = Text(())
-"""A text that a declaration leaves empty. What code adds to it has the same text as what it adds to `""`."""
+UNASSIGNED: Final = Text(("",), reason="nothing assigns it in the code that was run")
+"""A text that a declaration leaves empty."""
 
 
 def read_back(value: Value, name: str = "") -> Value:
@@ -563,8 +563,10 @@ def concatenate(*values: Value) -> Value:
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
-        if not piece.parts and parts:
-            piece = Text.hole("nothing assigns it in the code that was run")
+        if piece.reason == UNASSIGNED.reason:
+            if not parts:
+                continue
+            piece = Text.hole(UNASSIGNED.reason or "")
         resolution = worse(resolution, piece.resolution)
         parameter = parameter or piece.parameter
         reason = reason or piece.reason
