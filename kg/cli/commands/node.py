@@ -66,12 +66,11 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How places are written, and whether remarks are below the types; columns with a width are not folded."""
+    """How places are written, and whether remarks are below the types; if it `fits`, only remarks are folded."""
 
     places: "Mapping[Location, str]"
-    type_width: int | None = None
-    place_width: int | None = None
     stacked: bool = False
+    fits: bool = True
 
 
 def interface_table(
@@ -83,11 +82,10 @@ def interface_table(
     rows = [row for _, listed in groups for row in listed]
     layout = _layout(rows, columns)
     table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
-    table.add_column(overflow="fold")
-    table.add_column(overflow="fold", min_width=layout.type_width)
-    if not layout.stacked:
-        table.add_column(overflow="fold")
-    table.add_column(overflow="fold", min_width=layout.place_width)
+    for title in ("name", "type", "remark", "place"):
+        if title != "remark" or not layout.stacked:
+            folds = title == ("type" if layout.stacked else "remark") or not layout.fits
+            table.add_column(overflow="fold", no_wrap=not folds)
     for number, (title, listed) in enumerate(groups):
         if number:
             table.add_row()
@@ -127,9 +125,9 @@ def _layout(rows: "Sequence[Row]", columns: int) -> "_Layout":
     for places, room in choices:
         last = max(map(width, places.values())) + calls
         if sides + room + 2 * _GAP + last <= columns:
-            return _Layout(places, types, last)
+            return _Layout(places)
     last = max(map(width, names.values())) + calls
-    return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)
+    return _Layout(names, stacked=True, fits=sides + _GAP + last <= columns)
 
 
 _MOST_PARAMETERS: Final = 25
