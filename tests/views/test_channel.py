@@ -102,6 +102,31 @@ def test_names_are_meant_as_they_are_written(snapshot: EmbeddedSnapshot) -> None
     assert resolve_channel(snapshot, "topic", "mux/cmd")[0] == "/rover1/mux/cmd_vel"
 
 
+def test_last_segments_of_a_name_come_before_other_parts(snapshot: EmbeddedSnapshot) -> None:
+    """A part that is the end of names means these alone, even if others contain it."""
+    assert resolve_channel(snapshot, "topic", "state") == ("/state", ["/drone1/flight/state", "/drone1/state"])
+    chosen, others = resolve_channel(snapshot, "topic", "report")
+    assert chosen is None
+    assert {one.rpartition("/")[2] for one in others} == {"report"}
+
+
+def test_code_whose_name_is_partly_unknown_may_have_a_name(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A name that nothing has for certain shows the code that may have it; a known end of a side hides such code."""
+    (end,) = channel(snapshot, settings, kind="topic", name="/ground/winch/report")["endpoints"]
+    assert (end["name"], end["node"], end["possible"]) == ("/ground/{subsystem}/report", "GroundLink", True)
+    certain = channel(snapshot, settings, kind="topic", name="/ground/telemetry/report")["endpoints"]
+    assert not any(one.get("possible") for one in certain)
+    with pytest.raises(UnknownNameError):
+        channel(snapshot, settings, kind="topic", name="/ground/winch/load")
+
+
+def test_types_of_the_store_have_the_place_of_their_definition(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A type defined in a package of the store has its file and line, another has none."""
+    (place,) = channel(snapshot, settings, kind="topic", name="/drone1/state")["definitions"]
+    assert place["path"].endswith("drone_interfaces/msg/FlightState.msg")
+    assert channel(snapshot, settings, kind="topic", name="/odom")["definitions"] == []
+
+
 def test_what_several_names_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Each of several matching names has its types, its nodes, and its number of launch files."""
     found = channel(snapshot, settings, kind="topic", name="angles")
