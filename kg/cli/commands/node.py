@@ -12,7 +12,7 @@ from kg.cli.options import All, Json, Via, argument, option, with_settings
 from kg.cli.output import json_lines, line_width, shortened, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
-from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
+from kg.facts import Location, NodeKind, NodeType, Parameter, PluginSlot, Role
 from kg.lazily import lazily
 from kg.render.text import count, printable, some, width
 from kg.settings import Settings
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from kg.facts import InstanceInterface, Location, NodeInstance, System
+    from kg.facts import InstanceInterface, NodeInstance, System
     from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -36,6 +36,7 @@ with lazily():
     from rich.text import Text
 
     from kg.cli.links import Links
+    from kg.graph.iris import Iris
     from kg.graph.pictures import node_picture
     from kg.graph.reading.classes import Class, Classes, classes
     from kg.graph.reading.systems import system_names, systems
@@ -43,6 +44,7 @@ with lazily():
     from kg.graph.source_states import sources
     from kg.render import node_graph
     from kg.views.evidence import Places, places
+    from kg.views.node import users
     from kg.views.node_graph import node_relations
     from kg.views.wording import accesses, how, how_loaded, parameter_groups, quoted
 
@@ -184,7 +186,8 @@ def node(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show the interface of one node, with lines of code.
 
-    Shows how to start the node, its purpose, its topics, services, actions and parameters, and the line behind each.
+    Shows how to start the node, its purpose, its topics, services, actions and parameters, and the launch files that
+    start it, each with its line.
     For an instance, named as at run time, shows the launch line, remappings, parameters and resolved names. For
     example:
 
@@ -205,6 +208,7 @@ def node(  # noqa: PLR0913 - the options of a command
         records = one_node(snapshot, name)
         where = places(snapshot)
         lines = [node_lines(record, where, every=every) if code else () for record in records]
+        starts = [_starts(users(snapshot, record.iri, where, Iris(settings.base)), record) for record in records]
         inferred = [classes(snapshot, record.iri) for record in records]
         drawn = _related(snapshot, settings, records[0], picture, every=every) if graph and not json else ""
     if json:
@@ -215,10 +219,10 @@ def node(  # noqa: PLR0913 - the options of a command
         drawn = drawn or node_picture(records[0], implicit=every)
         deliver(drawn, "svg", picture or None, records[0].node.name.replace("/", "_"))
     else:
-        for number, (record, inferred_classes, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
+        for number, (record, quoted) in enumerate(zip(records, lines, strict=True)):
             if number:
                 write()
-            _show(record, inferred_classes, Links(where), every=every, via=via)
+            _show(record, inferred[number], starts[number], Links(where), every=every, via=via)
             if quoted:
                 show(*quoted)
 
@@ -244,10 +248,28 @@ def _instance(  # noqa: PLR0913 - the options of the command
         show(*instance_view(system, one, links, line_width(), every=every))
 
 
-def _show(record: "NodeRecord", inferred: "Classes", links: "Links", *, every: bool, via: bool) -> None:
+def _starts(used: "Mapping[str, Any]", record: "NodeRecord") -> "list[Row]":
+    """Return a row for each launch line and name of a node, with the launch files that include the line."""
+    systems: dict[tuple[str, Location], list[str]] = {}
+    for one in used["instances"]:
+        place = one["evidence"]
+        source = None if place["repository"] == record.repository else place["repository"]
+        location = Location(place["path"], place["line"] or 0, source)
+        systems.setdefault((one["name"], location), []).append(one["system"])
+    rows = []
+    for (name, location), every in systems.items():
+        included = every if len(every) > 1 or not location.path.endswith(every[0].partition("/")[2]) else ()
+        by = f"in {included[0] if len(included) == 1 else count(len(included), 'launch file')}" if included else ""
+        rows.append(Row(name, by, "", location, dim=False))
+    return rows
 
+
+def _show(  # noqa: PLR0913 - what is shown, and how much of it
+    record: "NodeRecord", inferred: "Classes", starts: "Sequence[Row]", links: "Links", *, every: bool, via: bool
+) -> None:
     most = _MOST_PARAMETERS if terminal() else None
-    show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=inferred))
+    columns = line_width()
+    show(*node_view(record, links, columns, every=every, via=via, most=most, classes=inferred, starts=starts))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} created by frameworks hidden; --all shows them")
@@ -332,6 +354,7 @@ def _end(end: "InstanceInterface", repository: str) -> "Row":
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
 _MOST_SOURCES: Final = 4
+_MOST_STARTS: Final = 5
 
 
 def node_view(  # noqa: PLR0913 - what is shown, and how much of it
@@ -343,11 +366,13 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     via: bool = False,
     most: int | None = None,
     classes: "Classes | None" = None,
+    starts: "Sequence[Row]" = (),
 ) -> "tuple[RenderableType, ...]":
     """Return the output for a node at a width in columns; `every` adds the endpoints of frameworks.
 
     `via` adds the calls from a line of the node's package to the framework, if they are in other files. `most` limits
-    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules.
+    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules, `starts` has a
+    row for each launch line.
 
     If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
@@ -376,6 +401,11 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
     if len(shown) < len(parameters):
         parts.append(Text(f"  and {len(parameters) - len(shown):,} more; --all shows them", style="dim"))
+    if starts:
+        few = starts if every else starts[:_MOST_STARTS]
+        parts += [Text(), interface_table([("started as", few)], record.repository, links, columns)]
+        if len(few) < len(starts):
+            parts.append(Text(f"  and {len(starts) - len(few):,} more; --all shows them", style="dim"))
     return tuple(parts)
 
 
