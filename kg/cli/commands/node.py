@@ -338,11 +338,14 @@ def _instance_header(system: "System", instance: "NodeInstance") -> "Iterator[Te
 
 def _end(end: "InstanceInterface", repository: str) -> "Row":
     declared, location = end.declared, end.declared.location
+    plain = (declared.name or "").removeprefix("~").strip("/")
+    is_evident = plain and not end.remap and (end.resolved or "").endswith(f"/{plain}")
     words = [
-        f"{declared.name or declared.written} in the code" if declared.name != end.resolved else "",
+        "" if is_evident else f"{declared.name or declared.written} in the code",
         f"remapped at {end.remap.location}" if end.remap else "",
         f"named by the parameter {end.parameter.name} at {end.parameter.location}" if end.parameter else "",
         end.reason or "",
+        str(end.qos or ""),
     ]
     if location.repository is None and end.owner.repository != repository:
         location = replace(location, repository=end.owner.repository)
