@@ -53,7 +53,7 @@ def channel(
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
       `instance` (None for code that no launch file starts under this name), `package` and `node` (its type),
       `node_iri`, `plugins` (`package/node` of the plugins whose code it is), `systems` (names of launch files),
-      `possible` (part of its name is unknown, and it may be this one; read for a side that has no other end),
+      `possible` (its name is partly or wholly unknown, and may be this one; read for a side that has no other end),
       `condition`, `launched` and `evidence` (the line that starts it, that of the code), `calls` (as in the view
       `node`), `set_at` (what gave it the name), `mismatches` (messages of the findings about it);
     * `findings`: `code`, `severity`, `message`, `systems` of those that say that types or QoS do not fit.
@@ -96,7 +96,7 @@ def channel(
         sides, types = {one["role"] for one in endpoints}, {type_ for one in endpoints for type_ in one["types"]}
         endpoints += [
             {**one, "possible": True}
-            for one in rows.of_code(possible_ends(snapshot, kind, chosen), launched)
+            for one in rows.of_code(possible_ends(snapshot, kind, chosen, types), launched)
             if one["role"] not in sides and (not types or types.issuperset(one["types"]))
         ]
     findings = _findings(snapshot, settings, chosen, systems)

@@ -121,6 +121,18 @@ def test_code_whose_name_is_partly_unknown_may_have_a_name(snapshot: EmbeddedSna
         channel(snapshot, settings, kind="topic", name="/ground/winch/load")
 
 
+def test_code_of_the_type_with_an_unknown_name_may_be_an_end(tmp_path: Path) -> None:
+    """A side without ends shows the code of its type whose names are unknown."""
+    subscriber = (
+        _LIDAR["filter.py"].replace("'scan'", "os.environ['SCAN']").replace("import rclpy", "import os, rclpy", 1)
+    )
+    settings = _built(tmp_path, {**_LIDAR, "filter.py": subscriber})
+    with reading(settings) as snapshot:
+        scan, tilt = (channel(snapshot, settings, kind="topic", name=name)["endpoints"] for name in ("/scan", "/tilt"))
+    assert [(one["role"], one["node"]) for one in scan if one.get("possible")] == [("subscribes", "filter")]
+    assert not any(one.get("possible") for one in tilt)
+
+
 def test_types_of_the_store_have_the_place_of_their_definition(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """A type defined in a package of the store has its file and line, another has none."""
     (place,) = channel(snapshot, settings, kind="topic", name="/drone1/state")["definitions"]

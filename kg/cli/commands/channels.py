@@ -50,7 +50,7 @@ def endpoint_view(
     `every` gives each launch file a row, `via` adds the calls from a line to the framework.
     """
     ends = channel["endpoints"]
-    qualities = {one["quality"] for one in ends}
+    qualities = {one["quality"] for one in ends if not one.get("possible")}
     yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
     where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
     same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} else ""
@@ -187,7 +187,7 @@ def _endpoints(
     title = None
     for one in ends:
         if one.get("possible"):
-            head = f"{one['title']}, perhaps: the name is partly unknown"
+            head = f"{one['title']}, perhaps: the name is {'partly ' if one['name'] else ''}unknown"
         else:
             head = one["title"] if one["instance"] else f"{one['title']}, not started by a launch file"
         if head != title:
@@ -202,7 +202,7 @@ def _endpoints(
             "type": " | ".join(one["types"]),
             "QoS": one["quality"],
             "started": places.cell(one["launched"]),
-            "code": places.cell(one["evidence"], f"{one['name']} " if one.get("possible") else ""),
+            "code": places.cell(one["evidence"], f"{one['name']} " if one.get("possible") and one["name"] else ""),
         }
         for system in (one["systems"] if every else ()) or [_count(one["systems"])]:
             yield {**row, "in": system}
@@ -212,7 +212,7 @@ def _endpoints(
 
 def _declared(one: "Mapping[str, Any]", places: "_Places", *, via: bool) -> "Iterator[tuple[object, ...]]":
     node = f"{one['package']}/{one['node']}"
-    yield node, one["type"] or "", one["default"] or "", one["accesses"] or one["access"], places.cell(one["evidence"])
+    yield node, one["type"] or "", one["default"] or "", one["accesses"] or "declared", places.cell(one["evidence"])
     for call in one["calls"] if via else ():
         yield "", "", "", "", places.cell(call, "via ")
 

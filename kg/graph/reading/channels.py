@@ -21,7 +21,7 @@ from kg.graph.usual_ends import channels_by_system, unstated_ends
 from kg.holes import fits, is_partial
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
 
 CLASSES: Final = {
@@ -124,16 +124,17 @@ def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tupl
     return _interfaces(graph, f"?subject rnkg:connectsTo {channel} .")
 
 
-def possible_ends(graph: Queryable, kind: str, name: str) -> list[tuple[NodeReference, Interface]]:
-    """Return the interfaces in code whose name has unknown parts and may be this one, sorted; none of frameworks.
+def possible_ends(
+    graph: Queryable, kind: str, name: str, types: Collection[str] = ()
+) -> list[tuple[NodeReference, Interface]]:
+    """Return the interfaces in code that may have this name, sorted; none of frameworks.
 
-    A relative name may have any namespace in front. At least one segment of the name is known.
+    Parts of their names are unknown, and the others fit: a relative name may have any namespace in front, and at least
+    one segment of it is known. Those whose whole name is unknown are there if they have one of some `types`.
     """
-    partial = (
-        f"?subject rnkg:resolution rnkg:partial ; rnkg:implicit false ; a ?kind . FILTER(?kind IN ({_AMONG[kind]}))"
-    )
-    ends = _interfaces(graph, partial)
-    return [(owner, fact) for owner, fact in ends if fact.name is not None and _may_be(fact.name, name)]
+    unknown = f"?subject rnkg:resolution ?how ; rnkg:implicit false ; a ?kind . FILTER(?kind IN ({_AMONG[kind]}))"
+    ends = _interfaces(graph, f"VALUES ?how {{ rnkg:partial rnkg:unresolved }} {unknown}")
+    return [(owner, fact) for owner, fact in ends if (_may_be(fact.name, name) if fact.name else fact.type in types)]
 
 
 def _may_be(partial: str, name: str) -> bool:
