@@ -260,8 +260,9 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
             links = Links(places(snapshot))
         if described["name"] is None:
             channel_rows(kind, described["meant"])
-            missing = f"no {kind} is called `{name}`; " if name.startswith("/") else ""
-            matching = f"{count(len(others), kind)} {'begin with it' if missing else f'match `{name}`'}"
+            is_whole = name.startswith("/") and not name.endswith("/")
+            missing = f"no {kind} is called `{name}`; " if is_whole else ""
+            matching = f"{count(len(others), kind)} {'begin with it' if is_whole else f'match `{name}`'}"
             note(f"{missing}{matching}; `kg {kind} {others[0]}` shows one")
             return
         show(*endpoint_view(described, links, line_width(), every=every, via=via))

@@ -12,7 +12,7 @@ from kg.cli.options import All, Json, Via, argument, option, with_settings
 from kg.cli.output import json_lines, line_width, shortened, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
-from kg.facts import Location, NodeKind, NodeType, Parameter, PluginSlot, Role
+from kg.facts import Location, NodeKind, NodeType, Parameter, PluginSlot, Role, StartKind
 from kg.lazily import lazily
 from kg.render.text import count, printable, some, width
 from kg.settings import Settings
@@ -321,7 +321,8 @@ def instance_view(
 
 def _instance_header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
     started = instance.started
-    yield Text.assemble((printable(instance.name), "bold"), f"  {started.kind} of ROS {system.configuration.ros}")
+    kind = "further node of its program" if started.kind is StartKind.INNER else str(started.kind)
+    yield Text.assemble((printable(instance.name), "bold"), f"  {kind}, ROS {system.configuration.ros}")
     fields = (
         ("system", system.configuration.name),
         ("node", f"{instance.started_type}{f' ({instance.reason})' if instance.reason else ''}"),
