@@ -142,11 +142,13 @@ def channel(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str
         return
     launches = data["systems"]
     yield _line(data["kind"], data["name"], ", ".join(data["types"]), f"in {len(launches)} launch files")
+    yield from (f"defined at {where(one)}" for one in data["definitions"])
     for one in data["endpoints"]:
         started = f"started {where(one['launched'])}" if one.get("launched") else ""
+        alone = f"perhaps, as {one['name'] or 'an unknown name'}" if one.get("possible") else "in code"
         yield _line(
             one["role"].replace("_", " "),
-            one.get("instance") or "in code",
+            one.get("instance") or alone,
             f"{one['package']}/{one['node']}",
             one.get("quality") or "",
             where(one["evidence"]),

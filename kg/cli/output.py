@@ -41,9 +41,9 @@ class Column:
     spare: int = 0
 
 
-def numbers(*titles: str) -> list[Column]:
+def numbers(*titles: str, spare: int = 0) -> list[Column]:
     """Return columns of numbers."""
-    return [Column(title, "number") for title in titles]
+    return [Column(title, "number", spare) for title in titles]
 
 
 @dataclass(frozen=True, slots=True)

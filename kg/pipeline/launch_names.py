@@ -74,9 +74,8 @@ def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
     hint = did_you_mean("/".join(text.split()), every)
     place = Place(text) if Path(text).exists() else None
     message = f"the store has no launch file `{text}`"
-    return UnknownNameError(
-        "KG422", message, place=place, hint=hint or "`kg instances` lists the launch files of the store."
-    )
+    otherwise = "`kg instances` lists the launch files of the store; `kg node NAME` lists those that start a node."
+    return UnknownNameError("KG422", message, place=place, hint=hint or otherwise)
 
 
 def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:

@@ -86,7 +86,8 @@ def nobody_at(channel: Channel, *, outward: bool) -> str:
 
 
 def _head(member: Member) -> str:
-    parts = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
+    kind = {"node": "", "inner": "further node of its program"}.get(member.kind, member.kind)
+    parts = [member.about, kind, f"in {member.host}" if member.host else ""]
     parts += [f"if {member.condition}" if member.condition else "", member.place]
     words = "  ".join(filter(None, [", ".join(filter(None, parts)), f"({member.reason})" if member.reason else ""]))
     return printable(f"{SIGNS[member.state]}{member.name}  {words}".rstrip())

@@ -86,6 +86,12 @@ class Layout:
         """Return the folder of one generation."""
         return self.generations / str(number)
 
+    def foreign_files(self) -> list[str]:
+        """Return the names of the entries of the folder that no store has, sorted."""
+        own = {"cache", "changes", "checkouts", "store", "writer.lock", ".gitignore"}
+        names = sorted(entry.name for entry in self.root.iterdir())
+        return [name for name in names if name not in own and not name.startswith(self.pointer.name)]
+
     def numbers(self) -> list[int]:
         """Return the numbers of all generations that have a folder, current or not."""
         if not self.generations.is_dir():

@@ -162,9 +162,10 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
 def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedStore]:
     """Yield the selected store, or a new one: at the path in the settings, else `.kg` in the working folder.
 
-    A new store is deleted again if the body fails before writing. Without `create`, StoreError KG301 if there is none.
+    A new store is deleted again if the body fails before writing. Without `create`, StoreError KG301 if there is none;
+    KG306 for a folder of other files.
     """
-    from kg.errors import StoreError  # noqa: PLC0415 - start-up time
+    from kg.errors import Place, StoreError  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
 
     folder = Path.cwd() / FOLDER if settings.store is None else Path(settings.store)
@@ -174,6 +175,13 @@ def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedSto
         if error.code != "KG301" or not create:
             raise
         store, is_new = EmbeddedStore.create(folder), True
+    if not is_new and store.layout.address is None and store.layout.current() is None:
+        foreign = store.layout.foreign_files()
+        if foreign:
+            hint = "Name a folder of its own with `--store`."
+            message = f"the folder is not a store, and contains `{foreign[0]}`"
+            raise StoreError("KG306", message, place=Place(str(store.layout.root)), hint=hint)
+        EmbeddedStore.create(store.layout.root)
     try:
         yield store
     finally:

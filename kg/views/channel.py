@@ -9,11 +9,13 @@ from kg.errors import UsageError
 from kg.graph.iris import Iris
 from kg.graph.reading.channels import (
     channels_called,
+    defining_places,
     ends_in_code,
     findings_about,
     names,
     names_in,
     names_written,
+    possible_ends,
     systems_at,
 )
 from kg.graph.reading.overview import channels
@@ -43,14 +45,15 @@ def channel(
     `name` is absolute, a name in the code (`cmd_vel`, `~/plan`), a part of a name, or an IRI, which has a kind of its
     own; `system` names launch files to look at alone. The keys:
 
-    * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `systems` (names of
-      the launch files that have it);
+    * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `definitions`
+      (evidence of the files that define the types), `systems` (names of the launch files that have it);
     * `meant`: what else the given name may mean; objects of name, `types`, `givers` and `takers` (`package/node`) and
       `systems` (how many launch files);
     * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
       `instance` (None for code that no launch file starts under this name), `package` and `node` (its type),
       `node_iri`, `plugins` (`package/node` of the plugins whose code it is), `systems` (names of launch files),
+      `possible` (its name is partly or wholly unknown, and may be this one; read for a side that has no other end),
       `condition`, `launched` and `evidence` (the line that starts it, that of the code), `calls` (as in the view
       `node`), `set_at` (what gave it the name), `mismatches` (messages of the findings about it);
     * `findings`: `code`, `severity`, `message`, `systems` of those that say that types or QoS do not fit.
@@ -73,6 +76,7 @@ def channel(
         "name": chosen,
         "iri": iris.channel(kind, chosen) if chosen else None,
         "types": [],
+        "definitions": [],
         "systems": [],
         "meant": [summaries[one] for one in others if one in summaries],
         "endpoints": [],
@@ -89,6 +93,12 @@ def channel(
     endpoints = rows.of_systems(launched)
     if systems is None:
         endpoints += rows.of_code(ends_in_code(snapshot, kind, chosen, settings.base), launched)
+        sides, types = {one["role"] for one in endpoints}, {type_ for one in endpoints for type_ in one["types"]}
+        endpoints += [
+            {**one, "possible": True}
+            for one in rows.of_code(possible_ends(snapshot, kind, chosen, types), launched)
+            if one["role"] not in sides and (not types or types.issuperset(one["types"]))
+        ]
     findings = _findings(snapshot, settings, chosen, systems)
     for one in endpoints:
         one["mismatches"] = [
@@ -96,9 +106,12 @@ def channel(
             for finding in findings
             if one["instance"] in finding["subjects"] and not set(one["systems"]).isdisjoint(finding["systems"])
         ]
+    shown = sorted({one for end in endpoints for one in end["types"]})
+    where = places(snapshot)
     return {
         **answer,
-        "types": sorted({kind for one in endpoints for kind in one["types"]}),
+        "types": shown,
+        "definitions": [where.evidence(*place) for place in defining_places(snapshot, shown)],
         "systems": sorted(one.configuration.name for one in launched),
         "endpoints": endpoints,
         "findings": findings,
@@ -110,8 +123,9 @@ def resolve_channel(
 ) -> tuple[str | None, list[str]]:
     """Return the absolute name that `name` means, None if several; and the other names, sorted.
 
-    It is a name in systems, a name in the code, or else a part of names: their beginning, if it begins with a slash.
-    With IRIs of `systems` the names are theirs.
+    It is a name in systems, a name in the code, an absolute one that code may have, or else a part of names: their
+    beginning if it begins with a slash, otherwise their last segments, or any part. With IRIs of `systems` the names
+    are theirs.
 
     Raises:
         UnknownNameError: KG001 with suggestions if there is none.
@@ -130,6 +144,8 @@ def resolve_channel(
     if there:
         return absolute, [one for one in matches if one != absolute]
     if not matches:
+        if systems is None and written.startswith("/") and possible_ends(snapshot, kind, written):
+            return written, []
         # Only a part of a name, or one that is not there, needs all names.
         candidates = names(snapshot, kind, implicit=True) if systems is None else candidates
         if written.strip("/~"):
@@ -137,6 +153,7 @@ def resolve_channel(
             matches = [
                 one for one in candidates if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())
             ]
+            matches = [one for one in matches if one.lower().endswith(f"/{part}")] or matches
             explicit = set(names(snapshot, kind))
             matches = [one for one in matches if one in explicit] or matches
         if not matches:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from kg.graph.iris import Iris
@@ -14,6 +15,7 @@ from kg.graph.reading.parameters import (
     set_parameters,
     starts,
     types_started,
+    unknown_files,
 )
 from kg.graph.reading.systems import system_names
 from kg.graph.records import parameter_object
@@ -125,7 +127,8 @@ class _View:
     ) -> list[SetParameter]:
         """Return the defaults in force: at starts of nodes that declare the parameter with one and do not set it.
 
-        With `instances` only nodes of these names are looked at.
+        The value is unknown where the start loads an unknown parameter file. With `instances` only nodes of these names
+        are looked at.
         """
         by_type = {
             self.node(owner): fact
@@ -133,14 +136,16 @@ class _View:
             if fact.default is not None and fact.name and not is_partial(fact.name)
         }
         has = {one.start.iri for one in set_values if one.start}
+        unset = [one for one in starts(self._snapshot, set(by_type), instances) if one.iri not in has]
+        files = unknown_files(self._snapshot, unset)
         defaults = []
-        for one in starts(self._snapshot, set(by_type), instances):
+        for one in unset:
             fact = by_type[one.type or ""]
-            if one.iri not in has:
-                name = (fact.name or "").removeprefix("~/")
-                defaults.append(
-                    SetParameter(name, f"{one.name}/{name}", fact.default, None, None, one.system, one, None)
-                )
+            name = (fact.name or "").removeprefix("~/")
+            absolute = f"{one.name}/{name}"
+            default = SetParameter(name, absolute, fact.default, None, None, one.system, one, None)
+            file = files.get(one.iri)
+            defaults.append(replace(file, name=name, absolute=absolute) if file else default)
         return defaults
 
     def values(self, set_values: Sequence[SetParameter]) -> list[dict[str, Any]]:

@@ -19,8 +19,8 @@ def how(fact: Interface) -> str:
     words = [condition(fact.switches)]
     if fact.parameter and fact.parameter not in reason:
         words.append(f"parameter {fact.parameter}")
-    elif not fact.parameter and fact.resolution is not Resolution.LITERAL:
-        words.append(str(fact.resolution))
+    elif not fact.parameter and fact.resolution not in {Resolution.LITERAL, Resolution.CONSTANT}:
+        reason = f"{fact.resolution}: {reason}" if reason else str(fact.resolution)
     words.append(reason)
     if fact.origin:
         words.append(f"from {fact.origin}")

@@ -45,6 +45,19 @@ def test_narrow_ones_show_the_file_and_its_line(columns: int) -> None:
     assert all(part in shown for part in ("cmd_vel", "geometry_msgs/Twist", " driver.cpp:21", "parameter"))
 
 
+@pytest.mark.parametrize("columns", range(94, 130))
+def test_long_remarks_are_folded_rather_than_names_and_places(columns: int) -> None:
+    """Where a remark is too long for its column, every name, type and place is still whole."""
+    rows = [
+        Row(
+            "/base_node/odometry_frame_name", "base_msgs/SensorStateArray", "none", Location("base_node.hpp", 96), False
+        ),
+        Row("/base_node/{}", "(not known)", "its parameter file is unknown", Location("base.launch.py", 120), False),
+    ]
+    shown = drawn(rows, columns)
+    assert all(part in shown for row in rows for part in (row.name, row.type, f" {row.location}"))
+
+
 @given(
     st.lists(
         st.builds(

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 import os
 import pty
 import re
@@ -9,8 +10,11 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from cli.rover import build
 from forks import programs
+from rich.console import Console
 from workspaces import copied, example
 
+from kg.cli import output
+from kg.cli.commands import lists
 from kg.resources import folder
 
 if TYPE_CHECKING:
@@ -45,6 +49,16 @@ def on_terminal(where: Path, *arguments: str, **environment: str) -> str:
     process.wait()
     os.close(here)
     return shown.decode()
+
+
+def test_numbers_are_dropped_before_names_are_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A list that does not fit leaves out places and numbers, and shows every name whole."""
+    monkeypatch.setattr(output, "line_width", lambda: 60)
+    names = ("regulated_pursuit_controller", "RegulatedPursuitController")
+    row = (*names, "plugin", 2, 1, 1, 0, 0, 0, 25, "controller/src/regulated_pursuit_controller.cpp:35")
+    drawn = io.StringIO()
+    Console(file=drawn, width=60).print(output.make_table(lists.COLUMNS, [row]))
+    assert f"{names[0]}  {names[1]}" in drawn.getvalue()
 
 
 @pytest.mark.parametrize(

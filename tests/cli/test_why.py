@@ -43,6 +43,13 @@ def test_all_ways_as_one_picture_and_as_lines_of_json(built: Program) -> None:
     assert facts[0][0]["rule"] == "communication/subscribes"
 
 
+def test_proofs_that_read_the_same_are_shown_once(built: Program) -> None:
+    """A node that two launch files start has one proof in words, and one for each of them as JSON."""
+    asked = ("why", "/drone1/gimbal", "publishes", "/drone1/gimbal/angles")
+    assert built(*asked).out.count("by rule communication/publishes") == 1
+    assert len(built(*asked, "--json").out.splitlines()) == 2
+
+
 def test_a_row_of_an_answer(built: Program) -> None:
     """The facts matched by a query for one of its rows are explained."""
     run = built("why", "--query", "evidence-of-topic", "--param", "topic=/odom", "--row", "1")

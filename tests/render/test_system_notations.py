@@ -4,7 +4,7 @@ import re
 
 from render.systems import CAMERA, end, instance, system
 
-from kg.facts import Role
+from kg.facts import Role, StartKind
 from kg.render.system_graph import system_graph
 from kg.render.system_notations import system_dot, system_lines, system_mermaid, system_object, system_rows
 from kg.render.system_views import overlaid
@@ -49,6 +49,13 @@ def test_json_says_what_dangles_and_what_is_not_known() -> None:
     assert not channels["/raw"]["dangling"]
     assert not channels["topic_"]["known"]
     assert {"source": "/driver", "target": "topic /raw"} in system_object(GRAPH)["edges"]
+
+
+def test_lines_name_further_nodes_of_a_program() -> None:
+    """A node that another one creates in its process is described in words."""
+    graph = system_graph(system([instance("/base"), instance("/odometry", kind=StartKind.INNER)]))
+    heads = [line for line in system_lines(graph) if line.startswith("/")]
+    assert ["further node of its program" in head for head in heads] == [False, True]
 
 
 def test_json_and_notations_tell_states() -> None:

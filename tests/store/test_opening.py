@@ -34,15 +34,6 @@ def test_a_new_store_into_which_nothing_came_is_removed(tmp_path: Path) -> None:
     assert not (tmp_path / "mine").exists()
 
 
-def test_a_folder_that_was_there_stays(tmp_path: Path) -> None:
-    """Existing files of the user are never deleted, store or not."""
-    (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "file").touch()
-    with pytest.raises(ZeroDivisionError), writable(settings.load({"store": tmp_path / "mine"})):
-        raise ZeroDivisionError
-    assert (tmp_path / "mine" / "file").exists()
-
-
 def test_a_file_is_no_store(tmp_path: Path) -> None:
     """A file in place of the folder is an error, and the file remains."""
     (tmp_path / "mine").write_text("mine")
@@ -60,3 +51,22 @@ def test_without_leave_to_create_a_missing_store_is_an_error(tmp_path: Path) -> 
     with pytest.raises(StoreError) as caught, writable(settings.load({"store": tmp_path / "mine"}), create=False):
         pass
     assert caught.value.code == "KG301"
+
+
+@pytest.mark.parametrize("left", [(), ("cache", "writer.lock")])
+def test_an_empty_folder_becomes_a_store(tmp_path: Path, left: tuple[str, ...]) -> None:
+    """A folder that is empty, or has what an interrupted first build left, can be written."""
+    for name in left:
+        (tmp_path / name).touch()
+    with writable(settings.load({"store": tmp_path})) as store, store.write("test") as transaction:
+        transaction.replace_graphs({})
+    assert store.layout.current() == 1
+
+
+def test_a_folder_of_other_files_is_left_alone(tmp_path: Path) -> None:
+    """Nothing is written into a folder that another program or a user filled."""
+    (tmp_path / "CURRENT").touch()
+    with pytest.raises(StoreError, match="contains `CURRENT`") as raised, writable(settings.load({"store": tmp_path})):
+        pass
+    assert raised.value.code == "KG306"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["CURRENT"]

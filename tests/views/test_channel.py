@@ -17,6 +17,7 @@ from kg.views.parameter import parameter
 from kg.views.system import system
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from kg.settings import Settings
@@ -102,6 +103,43 @@ def test_names_are_meant_as_they_are_written(snapshot: EmbeddedSnapshot) -> None
     assert resolve_channel(snapshot, "topic", "mux/cmd")[0] == "/rover1/mux/cmd_vel"
 
 
+def test_last_segments_of_a_name_come_before_other_parts(snapshot: EmbeddedSnapshot) -> None:
+    """A part that is the end of names means these alone, even if others contain it."""
+    assert resolve_channel(snapshot, "topic", "state") == ("/state", ["/drone1/flight/state", "/drone1/state"])
+    chosen, others = resolve_channel(snapshot, "topic", "report")
+    assert chosen is None
+    assert {one.rpartition("/")[2] for one in others} == {"report"}
+
+
+def test_code_whose_name_is_partly_unknown_may_have_a_name(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A name that nothing has for certain shows the code that may have it; a known end of a side hides such code."""
+    (end,) = channel(snapshot, settings, kind="topic", name="/ground/winch/report")["endpoints"]
+    assert (end["name"], end["node"], end["possible"]) == ("/ground/{subsystem}/report", "GroundLink", True)
+    certain = channel(snapshot, settings, kind="topic", name="/ground/telemetry/report")["endpoints"]
+    assert not any(one.get("possible") for one in certain)
+    with pytest.raises(UnknownNameError):
+        channel(snapshot, settings, kind="topic", name="/ground/winch/load")
+
+
+def test_code_of_the_type_with_an_unknown_name_may_be_an_end(tmp_path: Path) -> None:
+    """A side without ends shows the code of its type whose names are unknown."""
+    subscriber = (
+        _LIDAR["filter.py"].replace("'scan'", "os.environ['SCAN']").replace("import rclpy", "import os, rclpy", 1)
+    )
+    settings = _built(tmp_path, {**_LIDAR, "filter.py": subscriber})
+    with reading(settings) as snapshot:
+        scan, tilt = (channel(snapshot, settings, kind="topic", name=name)["endpoints"] for name in ("/scan", "/tilt"))
+    assert [(one["role"], one["node"]) for one in scan if one.get("possible")] == [("subscribes", "filter")]
+    assert not any(one.get("possible") for one in tilt)
+
+
+def test_types_of_the_store_have_the_place_of_their_definition(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """A type defined in a package of the store has its file and line, another has none."""
+    (place,) = channel(snapshot, settings, kind="topic", name="/drone1/state")["definitions"]
+    assert place["path"].endswith("drone_interfaces/msg/FlightState.msg")
+    assert channel(snapshot, settings, kind="topic", name="/odom")["definitions"] == []
+
+
 def test_what_several_names_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Each of several matching names has its types, its nodes, and its number of launch files."""
     found = channel(snapshot, settings, kind="topic", name="angles")
@@ -127,14 +165,19 @@ def test_launch_files_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> 
         assert caught.value.code == code
 
 
+def _built(tmp_path: Path, files: Mapping[str, str]) -> Settings:
+    """Build a package of these files and return the settings of its store."""
+    for path, text in files.items():
+        (tmp_path / "lidar" / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "lidar" / path).write_text(text)
+    settings = load({"store": str(tmp_path / ".kg")}, environment={})
+    build([str(tmp_path / "lidar")], EmbeddedStore.create(tmp_path / ".kg"), settings)
+    return settings
+
+
 def test_ends_that_do_not_fit_are_marked(tmp_path: Path) -> None:
     """Findings about types and QoS are shown at the name, and at the affected ends."""
-    folder = tmp_path / "lidar"
-    for path, text in _LIDAR.items():
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        (folder / path).write_text(text)
-    settings = load({"store": str(tmp_path / ".kg")}, environment={})
-    build([str(folder)], EmbeddedStore.create(tmp_path / ".kg"), settings)
+    settings = _built(tmp_path, _LIDAR)
     with reading(settings) as snapshot:
         scan, tilt = (channel(snapshot, settings, kind="topic", name=name) for name in ("/scan", "/tilt"))
         edges = system(snapshot, settings, name="both.launch.xml")["picture"]["edges"]
@@ -174,6 +217,21 @@ def test_a_parameter_with_its_values(snapshot: EmbeddedSnapshot, settings: Setti
     assert (flight["value"], flight["set_at"], len(flight["systems"])) == ("50.0", None, 2)
     narrowed = parameter(snapshot, settings, name="rate", system="arm.launch")["values"]
     assert [one["parameter"] for one in narrowed] == ["/trace_logger/rate"]
+
+
+def test_an_unknown_parameter_file_may_set_a_parameter(tmp_path: Path) -> None:
+    """A start that loads an unknown file has no default in force: the value is unknown, set at the line of the file."""
+    launch = "<launch>\n  <node pkg='lidar' exec='driver.py' name='driver'>\n    <param from='$(env SETTINGS)'/>\n"
+    driver = _LIDAR["driver.py"] + "node.declare_parameter('rate', 10)\n"
+    files = {**_LIDAR, "driver.py": driver, "launch/one.launch.xml": f"{launch}  </node>\n</launch>\n"}
+    settings = _built(tmp_path, files)
+    with reading(settings) as snapshot:
+        values = parameter(snapshot, settings, name="rate")["values"]
+    by_system = {one["systems"][0].rpartition("/")[2]: one for one in values}
+    assert (by_system["both.launch.xml"]["value"], by_system["both.launch.xml"]["set_at"]) == ("10", None)
+    unknown = by_system["one.launch.xml"]
+    assert (unknown["value"], unknown["set_at"]["line"]) == (None, 3)
+    assert "file" in unknown["reason"]
 
 
 def test_parameters_by_other_names(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

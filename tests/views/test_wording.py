@@ -29,6 +29,16 @@ def test_a_parameter_that_its_reason_names_is_not_repeated() -> None:
     assert how(end) == "the parameter ~/topic, which has no default here"
 
 
+@pytest.mark.parametrize(
+    ("resolution", "words"),
+    [(Resolution.LITERAL, ""), (Resolution.CONSTANT, ""), (Resolution.PARTIAL, "partial: `side` is not known")],
+)
+def test_only_names_that_are_not_known_in_full_are_explained(resolution: Resolution, words: str) -> None:
+    """A name from a constant is as certain as a literal one, so nothing is said about it."""
+    reason = "`side` is not known" if resolution is Resolution.PARTIAL else None
+    assert how(Interface(Role.PUBLISHES, "scan", None, resolution, HERE, reason=reason)) == words
+
+
 def test_use_of_ends_is_put_in_words() -> None:
     """A publisher without messages, a subscription that ignores them, and parts that messages lack, are named."""
     silent = Interface(Role.PUBLISHES, "odom", None, Resolution.LITERAL, HERE, silent=True)

@@ -50,11 +50,13 @@ def endpoint_view(
     `every` gives each launch file a row, `via` adds the calls from a line to the framework.
     """
     ends = channel["endpoints"]
-    qualities = {one["quality"] for one in ends}
+    qualities = {one["quality"] for one in ends if not one.get("possible")}
     yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
     where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
     same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} else ""
     yield Text(f"  {where}; {_fit(channel)}{same}", style="dim")
+    if channel["definitions"]:
+        yield Text(f"  defined at {', '.join(map(_place, channel['definitions']))}", style="dim")
     yield Text()
     titles = {
         "node": Column("node", "name"),
@@ -124,7 +126,7 @@ def _fit(channel: "Mapping[str, Any]") -> str:
     if len(sides) == 1:
         (role,) = sides
         return NOBODY[channel["kind"], role in {"publishes", "clients", "action_clients"}]
-    fit = "types and QoS fit" if channel["kind"] == "topic" else "types fit"
+    fit = "types and QoS fit" if any(one["quality"] for one in sides.values()) else "types fit"
     return fit if sides else "only code has it"
 
 
@@ -184,7 +186,10 @@ def _endpoints(
     """Yield rows by column name; each role has a heading row above its endpoints."""
     title = None
     for one in ends:
-        head = one["title"] if one["instance"] else f"{one['title']}, not started by a launch file"
+        if one.get("possible"):
+            head = f"{one['title']}, perhaps: the name is {'partly ' if one['name'] else ''}unknown"
+        else:
+            head = one["title"] if one["instance"] else f"{one['title']}, not started by a launch file"
         if head != title:
             title = head
             yield {"node": title}
@@ -197,7 +202,7 @@ def _endpoints(
             "type": " | ".join(one["types"]),
             "QoS": one["quality"],
             "started": places.cell(one["launched"]),
-            "code": places.cell(one["evidence"]),
+            "code": places.cell(one["evidence"], f"{one['name']} " if one.get("possible") and one["name"] else ""),
         }
         for system in (one["systems"] if every else ()) or [_count(one["systems"])]:
             yield {**row, "in": system}
@@ -207,7 +212,7 @@ def _endpoints(
 
 def _declared(one: "Mapping[str, Any]", places: "_Places", *, via: bool) -> "Iterator[tuple[object, ...]]":
     node = f"{one['package']}/{one['node']}"
-    yield node, one["type"] or "", one["default"] or "", one["accesses"] or one["access"], places.cell(one["evidence"])
+    yield node, one["type"] or "", one["default"] or "", one["accesses"] or "declared", places.cell(one["evidence"])
     for call in one["calls"] if via else ():
         yield "", "", "", "", places.cell(call, "via ")
 
@@ -255,8 +260,10 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
             links = Links(places(snapshot))
         if described["name"] is None:
             channel_rows(kind, described["meant"])
-            if terminal():
-                note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
+            is_whole = name.startswith("/") and not name.endswith("/")
+            missing = f"no {kind} is called `{name}`; " if is_whole else ""
+            matching = f"{count(len(others), kind)} {'begin with it' if is_whole else f'match `{name}`'}"
+            note(f"{missing}{matching}; `kg {kind} {others[0]}` shows one")
             return
         show(*endpoint_view(described, links, line_width(), every=every, via=via))
         if others:

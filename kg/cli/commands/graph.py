@@ -9,7 +9,7 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
 from kg.cli.options import All, Json, option, whole, with_settings
-from kg.cli.output import Column, json_line, listing, terminal
+from kg.cli.output import Column, json_line, listing, numbers, terminal
 from kg.cli.systems import (
     Arguments,
     Environment,
@@ -158,7 +158,7 @@ _ONE: Final = (
     Column("instance", "name"),
     Column("node", spare=1),
     Column("kind", spare=2),
-    *(Column(title, "number", spare=4) for title in _COUNTS),
+    *numbers(*_COUNTS, spare=4),
     Column("remark", spare=4),
     Column("file:line", "dim", spare=3),
 )

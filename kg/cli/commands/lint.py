@@ -101,6 +101,10 @@ def lint(  # noqa: PLR0913 - the options of a command
         hint = "Remove --arg, --env, --variants and --format."
         raise UsageError("KG003", "--why works only on the store and with text output", hint=hint)
     folders = [Path(path) for path in paths or ()]
+    for folder in folders:
+        if folder.suffix in _LAUNCH_ENDINGS and not folder.is_dir():
+            hint = f"`kg lint --launch {folder}` checks a launch file of the store."
+            raise UsageError("KG003", f"`{folder}` is not a folder", hint=hint)
     own = load_table(DECLARED, chosen, folder=_folder(folders))
     question = Question(launch, package, arguments=arguments, environment=environment, variants=variants, **own)
     if folders:
@@ -171,6 +175,7 @@ def _save(file: Path, text: str) -> None:
         raise UsageError("KG003", f"{file} cannot be written: {problem.strerror}") from None
 
 
+_LAUNCH_ENDINGS: Final = frozenset({".launch", ".py", ".test", ".xml", ".yaml", ".yml"})
 _MOST_EVIDENCE: Final = 4
 """Maximum number of evidence lines, and of findings of one kind at one line; JSON has them all."""
 

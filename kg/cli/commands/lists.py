@@ -9,7 +9,7 @@ from kg.cli.diagnostics import note
 from kg.cli.options import All, Json, PackageName, option, require_one_of, with_settings
 from kg.cli.output import Column, listing, numbers, terminal, write
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, some
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
@@ -26,6 +26,7 @@ with lazily():
     from kg.views.names import require_package
 
 
+_UNBOUNDED: Final = 1_000
 _SORTS: Final = ("code", "both", "text", "other")
 
 
@@ -128,9 +129,11 @@ def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
 def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
     """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
-    columns = (Column(kind, "name"), Column("type", spare=1), *numbers(*verbs), Column("launch files", "number"))
+    columns = (Column(kind, "name"), Column("type"), *numbers(*verbs, "launch files", spare=1))
+    most = 2 if terminal() else _UNBOUNDED  # types in a row
     rows = [
-        (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in listed
+        (one["name"], some(one["types"], most), len(one["givers"]), len(one["takers"]), one["systems"])
+        for one in listed
     ]
     givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
     objects = (
@@ -149,9 +152,9 @@ def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool
 COLUMNS: Final = (
     Column("package"),
     Column("node", "name"),
-    Column("kind"),
-    *numbers("ros", "pub", "sub", "srv", "cli", "act", "par"),
-    Column("file:line", "dim", spare=1),
+    Column("kind", spare=1),
+    *numbers("ros", "pub", "sub", "srv", "cli", "act", "par", spare=2),
+    Column("file:line", "dim", spare=3),
 )
 Kind = Annotated[str | None, option("--kind KIND", "Only executable, script, nodelet, component, plugin or class.")]
 

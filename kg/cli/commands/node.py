@@ -12,7 +12,7 @@ from kg.cli.options import All, Json, Via, argument, option, with_settings
 from kg.cli.output import json_lines, line_width, shortened, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
-from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
+from kg.facts import Location, NodeKind, NodeType, Parameter, PluginSlot, Role, StartKind
 from kg.lazily import lazily
 from kg.names import join
 from kg.render.text import count, printable, some, width
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from kg.facts import InstanceInterface, Location, NodeInstance, System
+    from kg.facts import InstanceInterface, NodeInstance, System
     from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -37,6 +37,7 @@ with lazily():
     from rich.text import Text
 
     from kg.cli.links import Links
+    from kg.graph.iris import Iris
     from kg.graph.pictures import node_picture
     from kg.graph.reading.classes import Class, Classes, classes
     from kg.graph.reading.systems import system_names, systems
@@ -44,6 +45,7 @@ with lazily():
     from kg.graph.source_states import sources
     from kg.render import node_graph
     from kg.views.evidence import Places, places
+    from kg.views.node import users
     from kg.views.node_graph import node_relations
     from kg.views.wording import accesses, how, how_loaded, parameter_groups, quoted
 
@@ -67,12 +69,11 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How places are written, and whether remarks are below the types; columns with a width are not folded."""
+    """How places are written, and whether remarks are below the types; if it `fits`, only remarks are folded."""
 
     places: "Mapping[Location, str]"
-    type_width: int | None = None
-    place_width: int | None = None
     stacked: bool = False
+    fits: bool = True
 
 
 def interface_table(
@@ -84,11 +85,10 @@ def interface_table(
     rows = [row for _, listed in groups for row in listed]
     layout = _layout(rows, columns)
     table = Table(box=SIMPLE_HEAD, show_header=False, pad_edge=False, show_edge=False, padding=(0, 2, 0, 0))
-    table.add_column(overflow="fold")
-    table.add_column(overflow="fold", min_width=layout.type_width)
-    if not layout.stacked:
-        table.add_column(overflow="fold")
-    table.add_column(overflow="fold", min_width=layout.place_width)
+    for title in ("name", "type", "remark", "place"):
+        if title != "remark" or not layout.stacked:
+            folds = title == ("type" if layout.stacked else "remark") or not layout.fits
+            table.add_column(overflow="fold", no_wrap=not folds)
     for number, (title, listed) in enumerate(groups):
         if number:
             table.add_row()
@@ -128,9 +128,9 @@ def _layout(rows: "Sequence[Row]", columns: int) -> "_Layout":
     for places, room in choices:
         last = max(map(width, places.values())) + calls
         if sides + room + 2 * _GAP + last <= columns:
-            return _Layout(places, types, last)
+            return _Layout(places)
     last = max(map(width, names.values())) + calls
-    return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)
+    return _Layout(names, stacked=True, fits=sides + _GAP + last <= columns)
 
 
 _MOST_PARAMETERS: Final = 25
@@ -187,7 +187,8 @@ def node(  # noqa: PLR0913 - the options of a command
 ) -> None:
     """Show the interface of one node, with lines of code.
 
-    Shows how to start the node, its purpose, its topics, services, actions and parameters, and the line behind each.
+    Shows how to start the node, its purpose, its topics, services, actions and parameters, and the launch files that
+    start it, each with its line.
     For an instance, named as at run time, shows the launch line, remappings, parameters and resolved names. For
     example:
 
@@ -208,6 +209,7 @@ def node(  # noqa: PLR0913 - the options of a command
         records = one_node(snapshot, name)
         where = places(snapshot)
         lines = [node_lines(record, where, every=every) if code else () for record in records]
+        starts = [_starts(users(snapshot, record.iri, where, Iris(settings.base)), record) for record in records]
         inferred = [classes(snapshot, record.iri) for record in records]
         drawn = _related(snapshot, settings, records[0], picture, every=every) if graph and not json else ""
     if json:
@@ -218,10 +220,10 @@ def node(  # noqa: PLR0913 - the options of a command
         drawn = drawn or node_picture(records[0], implicit=every)
         deliver(drawn, "svg", picture or None, records[0].node.name.replace("/", "_"))
     else:
-        for number, (record, inferred_classes, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
+        for number, (record, quoted) in enumerate(zip(records, lines, strict=True)):
             if number:
                 write()
-            _show(record, inferred_classes, Links(where), every=every, via=via)
+            _show(record, inferred[number], starts[number], Links(where), every=every, via=via)
             if quoted:
                 show(*quoted)
 
@@ -247,10 +249,28 @@ def _instance(  # noqa: PLR0913 - the options of the command
         show(*instance_view(system, one, links, line_width(), every=every))
 
 
-def _show(record: "NodeRecord", inferred: "Classes", links: "Links", *, every: bool, via: bool) -> None:
+def _starts(used: "Mapping[str, Any]", record: "NodeRecord") -> "list[Row]":
+    """Return a row for each launch line and name of a node, with the launch files that include the line."""
+    systems: dict[tuple[str, Location], list[str]] = {}
+    for one in used["instances"]:
+        place = one["evidence"]
+        source = None if place["repository"] == record.repository else place["repository"]
+        location = Location(place["path"], place["line"] or 0, source)
+        systems.setdefault((one["name"], location), []).append(one["system"])
+    rows = []
+    for (name, location), every in systems.items():
+        included = every if len(every) > 1 or not location.path.endswith(every[0].partition("/")[2]) else ()
+        by = f"in {included[0] if len(included) == 1 else count(len(included), 'launch file')}" if included else ""
+        rows.append(Row(name, by, "", location, dim=False))
+    return rows
 
+
+def _show(  # noqa: PLR0913 - what is shown, and how much of it
+    record: "NodeRecord", inferred: "Classes", starts: "Sequence[Row]", links: "Links", *, every: bool, via: bool
+) -> None:
     most = _MOST_PARAMETERS if terminal() else None
-    show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=inferred))
+    columns = line_width()
+    show(*node_view(record, links, columns, every=every, via=via, most=most, classes=inferred, starts=starts))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} created by frameworks hidden; --all shows them")
@@ -302,7 +322,8 @@ def instance_view(
 
 def _instance_header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
     started = instance.started
-    yield Text.assemble((printable(instance.name), "bold"), f"  {started.kind} of ROS {system.configuration.ros}")
+    kind = "further node of its program" if started.kind is StartKind.INNER else str(started.kind)
+    yield Text.assemble((printable(instance.name), "bold"), f"  {kind}, ROS {system.configuration.ros}")
     fields = (
         ("system", system.configuration.name),
         ("node", f"{instance.started_type}{f' ({instance.reason})' if instance.reason else ''}"),
@@ -319,11 +340,14 @@ def _instance_header(system: "System", instance: "NodeInstance") -> "Iterator[Te
 
 def _end(end: "InstanceInterface", repository: str) -> "Row":
     declared, location = end.declared, end.declared.location
+    plain = (declared.name or "").removeprefix("~").strip("/")
+    is_evident = plain and not end.remap and (end.resolved or "").endswith(f"/{plain}")
     words = [
-        f"{declared.name or declared.written} in the code" if declared.name != end.resolved else "",
+        "" if is_evident else f"{declared.name or declared.written} in the code",
         f"remapped at {end.remap.location}" if end.remap else "",
         f"named by the parameter {end.parameter.name} at {end.parameter.location}" if end.parameter else "",
         end.reason or "",
+        str(end.qos or ""),
     ]
     if location.repository is None and end.owner.repository != repository:
         location = replace(location, repository=end.owner.repository)
@@ -335,6 +359,7 @@ def _end(end: "InstanceInterface", repository: str) -> "Row":
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
 _MOST_SOURCES: Final = 4
+_MOST_STARTS: Final = 5
 
 
 def node_view(  # noqa: PLR0913 - what is shown, and how much of it
@@ -346,11 +371,13 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     via: bool = False,
     most: int | None = None,
     classes: "Classes | None" = None,
+    starts: "Sequence[Row]" = (),
 ) -> "tuple[RenderableType, ...]":
     """Return the output for a node at a width in columns; `every` adds the endpoints of frameworks.
 
     `via` adds the calls from a line of the node's package to the framework, if they are in other files. `most` limits
-    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules.
+    the number of parameters, so a terminal still shows the interface. `classes` is the result of rules, `starts` has a
+    row for each launch line.
 
     If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
@@ -379,6 +406,11 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
     if len(shown) < len(parameters):
         parts.append(Text(f"  and {len(parameters) - len(shown):,} more; --all shows them", style="dim"))
+    if starts:
+        few = starts if every else starts[:_MOST_STARTS]
+        parts += [Text(), interface_table([("started as", few)], record.repository, links, columns)]
+        if len(few) < len(starts):
+            parts.append(Text(f"  and {len(starts) - len(few):,} more; --all shows them", style="dim"))
     return tuple(parts)
 
 

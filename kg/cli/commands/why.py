@@ -185,8 +185,13 @@ def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSna
     elif form == "svg":
         write(picture(proofs, view).rstrip())
     else:
+        # The same node in several launch files has proofs that read the same.
+        trees: dict[tuple[object, ...], list[Line]] = {}
         for proof in proofs:
-            print_tree(proof_lines(proof, view), places(snapshot), Iris(base))
+            lines = list(proof_lines(proof, view))
+            trees.setdefault(tuple((line.branches, line.text, line.where) for line in lines), lines)
+        for lines in trees.values():
+            print_tree(lines, places(snapshot), Iris(base))
 
 
 _STYLES: Final = {

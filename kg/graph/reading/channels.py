@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.facts import Interface, NodeReference, System
+from kg.facts import Interface, Location, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
@@ -18,9 +18,10 @@ from kg.graph.reading.nodes import Queryable, code_facts
 from kg.graph.reading.queries import column, one_of, texts
 from kg.graph.reading.systems import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
+from kg.holes import fits, is_partial
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
 
 CLASSES: Final = {
@@ -65,6 +66,13 @@ GRAPH ?graph {
 }
 ?code a ?class .
 FILTER(?class IN (%s))"""
+_DEFINING: Final = """
+SELECT DISTINCT ?repository ?path ?line WHERE {
+  %s
+  ?definition rnkg:defines/rdfs:label ?label ; rnkg:path ?path ; rnkg:line ?line .
+  ?package rnkg:contains ?definition .
+  ?source rnkg:contains ?package ; rnkg:name ?repository .
+}"""
 _FINDINGS: Final = """
 SELECT ?system ?code ?severity ?message ?subject WHERE {
   ?finding rnkg:mainSubject %s ; a rnkg:Finding ; rnkg:inConfiguration ?system ; rnkg:code ?code ;
@@ -113,9 +121,41 @@ def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
     """Return the interfaces that have this name where their node is started alone, sorted."""
     channel = NamedNode(Iris(base).channel(kind, name))
-    facts_by_iri = code_facts(graph, f"?subject rnkg:connectsTo {channel} .")
+    return _interfaces(graph, f"?subject rnkg:connectsTo {channel} .")
+
+
+def possible_ends(
+    graph: Queryable, kind: str, name: str, types: Collection[str] = ()
+) -> list[tuple[NodeReference, Interface]]:
+    """Return the interfaces in code that may have this name, sorted; none of frameworks.
+
+    Parts of their names are unknown, and the others fit: a relative name may have any namespace in front, and at least
+    one segment of it is known. Those whose whole name is unknown are there if they have one of some `types`.
+    """
+    unknown = f"?subject rnkg:resolution ?how ; rnkg:implicit false ; a ?kind . FILTER(?kind IN ({_AMONG[kind]}))"
+    ends = _interfaces(graph, f"VALUES ?how {{ rnkg:partial rnkg:unresolved }} {unknown}")
+    return [(owner, fact) for owner, fact in ends if (_may_be(fact.name, name) if fact.name else fact.type in types)]
+
+
+def _may_be(partial: str, name: str) -> bool:
+    segments = partial.removeprefix("~/").strip("/").split("/")
+    if all(is_partial(one) for one in segments):
+        return False
+    if partial.startswith("/"):
+        return fits(partial, name)
+    return fits("/".join(segments), "/".join(name.split("/")[-len(segments) :]))
+
+
+def _interfaces(graph: Queryable, those: str) -> list[tuple[NodeReference, Interface]]:
+    facts_by_iri = code_facts(graph, those)
     ends = [(owner, fact) for owner, fact in facts_by_iri.values() if isinstance(fact, Interface)]
     return sorted(ends, key=lambda one: (one[1].role, one[0], str(one[1].location), one[1].type or ""))
+
+
+def defining_places(graph: Queryable, types: Iterable[str]) -> list[tuple[str, Location]]:
+    """Return where the store has the definitions of some types (`package/Type`): source and place, sorted."""
+    rows = texts(graph, _DEFINING % one_of("label", set(types)))
+    return sorted((repository, Location(path, int(line))) for repository, path, line in rows)
 
 
 def systems_at(graph: Queryable, kind: str, name: str, base: str) -> list[System]:

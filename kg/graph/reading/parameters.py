@@ -61,6 +61,13 @@ SELECT DISTINCT ?instance WHERE {
   ?instance rnkg:instanceOf ?type .
 }"""
 
+_OPEN: Final = """
+SELECT ?instance ?setting ?name WHERE {
+  %s
+  ?instance rnkg:startedWith/rnkg:hasSetting ?setting .
+  ?setting rnkg:name ?name FILTER(STRENDS(?name, "/{}"))
+}"""
+
 
 @dataclass(frozen=True, slots=True)
 class Start:
@@ -170,6 +177,19 @@ def starts(graph: Queryable, types: Collection[str], names: Collection[str] | No
         return _starts(graph, column(graph, _INSTANCES % among("type", types)) if types else set())
     rows = texts(graph, _NAMED % one_of("name", names)) if types and names else ()
     return _starts(graph, {instance for instance, kind in rows if kind in types})
+
+
+def unknown_files(graph: Queryable, starts: Collection[Start]) -> dict[str, SetParameter]:
+    """Return the first unknown parameter file of each start that loads one, by the IRI of the start."""
+    by_iri = {start.iri: start for start in starts}
+    rows = sorted(texts(graph, _OPEN % among("instance", by_iri))) if by_iri else []
+    properties = _properties(graph, {setting for _, setting, _ in rows})
+    files: dict[str, SetParameter] = {}
+    for iri, setting, name in rows:
+        own, start = properties[setting], by_iri[iri]
+        file = SetParameter("{}", name, None, one(own, v.REASON), place_of(own), start.system, start, None)
+        files.setdefault(iri, file)
+    return files
 
 
 def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:

@@ -287,6 +287,14 @@ def test_the_page_of_a_topic(client: TestClient) -> None:
     assert client.get("/channel", params={"name": iri}).text.count("/scan_filtered") > 1
 
 
+def test_code_that_may_have_a_name_and_definitions_are_shown(client: TestClient) -> None:
+    """A name that no end has for certain shows the code that may have it; a type of the store has its line."""
+    text = client.get("/channel", params={"name": "/ground/winch/report"}).text.replace("<wbr>", "")
+    assert "perhaps, as" in text
+    state = client.get("/channel", params={"name": "/drone1/state"}).text.replace("<wbr>", "")
+    assert "FlightState.msg:1" in state
+
+
 @pytest.mark.parametrize(
     ("address", "meant"),
     [
