@@ -35,7 +35,7 @@ _FLAGS: Final = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--js-flags=--no-opt",  # for short visits, compiling optimized code takes longer than it saves
+    "--js-flags=--no-opt --no-maglev",  # for short visits, compiling optimized code takes longer than it saves
 )
 _SECONDS: Final = 60
 """Time limit in seconds of a test's work with a page, on an idle machine."""

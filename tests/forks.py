@@ -26,10 +26,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from typing import Self
 
-__all__ = ["READERS", "Forked", "address", "fork_readers", "programs", "start"]
+__all__ = ["EXTRACTING", "READERS", "Forked", "address", "fork_extractors", "fork_readers", "programs", "start"]
 
 READERS: Final = "kg.query.readers.processes"
 """The module that starts the fork servers of readers."""
+EXTRACTING: Final = "kg.pipeline.extracting"
+"""The module that starts the extractors of a cluster's workers."""
 _FORK_SERVER: Final = "kg.query.readers.forkserver"
 _VIEWS: Final = "kg.views.calls"
 
@@ -205,6 +207,23 @@ def fork_readers(server: str = "") -> Any:
         return start("-c", text, environment=env, streams=streams, modules=modules, session=True, server=server)
 
     return SimpleNamespace(Popen=begin, DEVNULL=subprocess.DEVNULL)
+
+
+def fork_extractors(started: list[Forked]) -> Any:
+    """Return what replaces `subprocess` in the module `EXTRACTING`: extractors are forked, and added to `started`.
+
+    A new one imports for a second of processor time. Only on Linux.
+    """
+
+    def begin(_: list[str], *, pass_fds: list[int], stdin: int) -> Forked | subprocess.Popen[str]:
+        text = f"import os, sys; sys.argv[1:] = [str(os.dup(1))]; os.dup2(2, 1); from {EXTRACTING} import main; main()"
+        streams = (stdin, os.dup(pass_fds[0]), None)
+        process = start("-c", text, streams=streams, modules=[EXTRACTING], builds=True)
+        assert isinstance(process, Forked)
+        started.append(process)
+        return process
+
+    return SimpleNamespace(Popen=begin, PIPE=subprocess.PIPE, TimeoutExpired=subprocess.TimeoutExpired)
 
 
 def address() -> str:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -23,7 +24,8 @@ from kg.language.loading import identity
 from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
-from kg.pipeline.filecache import cached_text, installations, states
+from kg.pipeline.filecache import State as FileState
+from kg.pipeline.filecache import cached_text, installations, states, unless_changed
 from kg.pipeline.recording import answer
 
 if TYPE_CHECKING:
@@ -96,11 +98,15 @@ def code_version(model: str, folder: Path | None = None) -> str:
     files = (*(state for root in own for state in states(root)), *installations())
     place = folder and folder / _VERSION
 
-    def compute() -> str:
-        libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
-        return _digest([resources.digest(own), *libraries])
+    text = cached_text(place, files, sys.version, lambda: unless_changed(_code_digest, tuple(own), seen=files))
+    return _digest([text, sys.version, identity(model)])
 
-    return _digest([cached_text(place, files, sys.version, compute), sys.version, identity(model)])
+
+@lru_cache(maxsize=1)
+def _code_digest(own: tuple[Path, ...], _seen: tuple[FileState, ...]) -> str:
+    """Return a digest of the contents of files and folders, and of the libraries; cached in this process."""
+    libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
+    return _digest([resources.digest(own), *libraries])
 
 
 def shape(sources: Iterable[Source]) -> str:

@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
     from importlib.metadata import EntryPoint
 
+    from pyoxigraph import Triple
+
     from kg.rules.form import Rule
+    from kg.syntax.tree import RuleUnit
 
 with lazily():
     from importlib.metadata import entry_points
@@ -94,15 +97,21 @@ def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Map
 
 
 def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    unit = parse_srl(text, str(path))
-    rules = list(srl.rules(unit, name, str(path), text))
-    data = list(srl.data(unit, str(path), text))
+    unit, own, stated = _compiled_srl(text, str(path), name)
+    rules, data = list(own), list(stated)
     parts = len(unit.rules)
     for file, inner, brought in srl.imported(unit, path, text):
         rules += srl.rules(brought, name, str(file), inner, first=parts + 1)
         data += srl.data(brought, str(file), inner)
         parts += len(brought.rules)
-    return RuleFile(name, path, text, documentation, tuple(rules), tuple(data), unit.prefixes)
+    return RuleFile(name, path, text, documentation, tuple(rules), tuple(data), MappingProxyType(unit.prefixes))
+
+
+@lru_cache(maxsize=_CACHED)
+def _compiled_srl(text: str, path: str, name: str) -> tuple[RuleUnit, tuple[Rule, ...], tuple[Triple, ...]]:
+    """Return the tree, the rules and the data of a text, without those of rule sets that it imports."""
+    unit = parse_srl(text, path)
+    return unit, tuple(srl.rules(unit, name, path, text)), tuple(srl.data(unit, path, text))
 
 
 def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:

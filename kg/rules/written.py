@@ -13,7 +13,7 @@ from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
 from kg.store.files import opened
-from kg.store.terms import BLANK_MARK, parts_of_lines
+from kg.store.terms import BLANK_MARK, parts_of_lines, split_blank
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -130,7 +130,11 @@ class Written(Changes):
 
 def _rows(lines: bytes, dictionary: Dictionary) -> NDArray[np.int64]:
     """Return N-Triples as rows of identifiers, as a store spells the terms; blank nodes keep their labels."""
-    parts = parts_of_lines(lines)
+    plain, others = split_blank(lines)
+    parts = parts_of_lines(plain)
     if parts is None:
         return rows_of(parse(lines, RdfFormat.N_TRIPLES, lenient=True), dictionary)
-    return dictionary.intern_all(parts).reshape(-1, 3)
+    rows = dictionary.intern_all(parts).reshape(-1, 3)
+    if not others:
+        return rows
+    return np.concatenate([rows, rows_of(parse(others, RdfFormat.N_TRIPLES, lenient=True), dictionary)])

@@ -29,7 +29,7 @@ from pyoxigraph import (
 
 from kg.lazily import lazily
 from kg.store.allocator import give_back
-from kg.store.terms import BLANK_MARK
+from kg.store.terms import BLANK_MARK, split_blank
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
@@ -73,10 +73,11 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
     """
 
     def one(batch: bytes) -> None:
-        if BLANK_MARK in batch:
-            engine().bulk_extend(_placed(graph, batch))
-        else:
-            engine().bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
+        plain, others = split_blank(batch)
+        if plain:
+            engine().bulk_load(plain, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
+        if others:
+            engine().bulk_extend(_placed(graph, others))
 
     return _load_all(chunks, one)
 
@@ -88,10 +89,11 @@ def load_quads(engine: Engine, graphs: Iterable[tuple[NamedNode, bytes]]) -> int
     """
 
     def one(batch: bytes) -> None:
-        if BLANK_MARK in batch:
-            engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
-        else:
-            engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
+        plain, others = split_blank(batch)
+        if plain:
+            engine().bulk_load(plain, RdfFormat.N_QUADS, lenient=True)
+        if others:
+            engine().bulk_extend(parse(others, RdfFormat.N_QUADS, lenient=True))
 
     # Line ends in literals are escaped, so no line is split.
     return _load_all((content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs), one)

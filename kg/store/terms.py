@@ -106,6 +106,18 @@ def datatype(spelling: bytes) -> bytes:
     return b"<http://www.w3.org/1999/02/22-rdf-syntax-ns#%s>" % (b"dirLangString" if directed else b"langString")
 
 
+def split_blank(lines: bytes) -> tuple[bytes, bytes]:
+    """Return the lines of N-Triples or N-Quads without blank nodes, and those that may have one."""
+    plain, others, begin = [], [], 0
+    while (mark := lines.find(BLANK_MARK, begin)) >= 0:
+        start = lines.rfind(b"\n", begin, mark) + 1 or begin
+        end = lines.find(b"\n", mark) + 1 or len(lines)
+        plain.append(lines[begin:start])
+        others.append(lines[start:end])
+        begin = end
+    return b"".join([*plain, lines[begin:]]), b"".join(others)
+
+
 def parts_of_lines(text: bytes) -> list[bytes] | None:
     """Return the spellings of the terms in N-Triples, three for each line; None for a text that needs a real parser.
 

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError, UnknownNameError
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import last_run
-from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema, rules_in_force
+from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema, rule_folders, rules_in_force
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.manual import documentation, documented, entry_object, manual, manual_object
@@ -54,13 +54,16 @@ class _Available:
     errors: tuple[RuleError, ...]
 
 
-_LIBRARIES: Final[dict[str, Library]] = {}  # what was listed last, by the digest of the rules
-_LAST: Final[dict[str, _Available]] = {}  # what was read last, by the digest of the rules
+_Key: TypeAlias = "tuple[str, tuple[Path, ...]]"
+"""The digest of rules, and their folders, of which several may have equal files."""
+_LIBRARIES: Final[dict[_Key, Library]] = {}  # what was listed last
+_LAST: Final[dict[_Key, _Available]] = {}  # what was read last
 
 
 def _load(settings: Settings, mark: str) -> _Available:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
-    if mark not in _LAST:
+    key = mark, rule_folders(settings)
+    if key not in _LAST:
         library = listed(settings, mark)
         files, errors = library.read_all()
         try:
@@ -68,17 +71,18 @@ def _load(settings: Settings, mark: str) -> _Available:
         except RuleError as error:
             graph, errors = RuleGraph((), (), {}, {}), [*errors, error]
         _LAST.clear()
-        _LAST[mark] = _Available(library, graph, tuple(errors))
-    return _LAST[mark]
+        _LAST[key] = _Available(library, graph, tuple(errors))
+    return _LAST[key]
 
 
 def listed(settings: Settings, mark: str) -> Library:
     """Return the rules of the settings, of which few need to be parsed; `mark` is the digest of their files."""
-    if mark not in _LIBRARIES:
+    key = mark, rule_folders(settings)
+    if key not in _LIBRARIES:
         library = Library.of(settings)
         _LIBRARIES.clear()
-        _LIBRARIES[mark] = library
-    return _LIBRARIES[mark]
+        _LIBRARIES[key] = library
+    return _LIBRARIES[key]
 
 
 def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:

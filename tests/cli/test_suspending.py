@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import subprocess
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 import pytest
@@ -24,7 +24,17 @@ DO = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
 GO = ("do", "goingToPose", "x=1", "y=2", "heading=0")
 RUN = ("run", "endless.kgp")
 PROGRAM = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 min\nend\n"
-KG = BLOCKABLE + "import runpy, sys; sys.argv[0] = 'kg'; runpy.run_module('kg', run_name='__main__')"
+TELL = """
+import asyncio, os, sys
+def tell(*_):
+    for task in asyncio.all_tasks():
+        task.print_stack()
+    sys.stderr.flush()
+    os._exit(1)
+signal.signal(signal.SIGQUIT, tell)
+"""
+"""Code run before a process that makes SIGQUIT print where its tasks wait, and end it."""
+KG = BLOCKABLE + TELL + "import runpy, sys; sys.argv[0] = 'kg'; runpy.run_module('kg', run_name='__main__')"
 
 
 @pytest.fixture(params=[1, 2], ids=["ros1", "dds"])
@@ -40,7 +50,7 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
 def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[Forked | subprocess.Popen[str]]:
     """Run a command that drives the robot; on a busy machine, its own pauses do not count as silence.
 
-    If the robot does not do what a test waits for, the error has the output of the command.
+    If the robot does not do what a test waits for, the error has the output of the command and where it waits.
     """
     (folder / "endless.kgp").write_text(PROGRAM, encoding="utf-8")
     silence = () if "--watchdog" in command else ("--watchdog", str(patient(0.5)))
@@ -49,8 +59,9 @@ def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[Forked | subpro
         try:
             yield process
         except AssertionError as error:
-            process.kill()
-            error.add_note("\n".join(process.communicate()))
+            process.send_signal(signal.SIGQUIT)
+            with suppress(subprocess.TimeoutExpired):  # it is suspended or blocked
+                error.add_note("\n".join(process.communicate(timeout=patient(5))))
             raise
         finally:
             process.kill()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 import pytest
+from forks import EXTRACTING, fork_extractors
 from pyoxigraph import RdfFormat
 from workspaces import prepare_builds
 
@@ -16,8 +18,10 @@ from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
+    from forks import Forked
     from pyoxigraph import QuerySolutions
 
     from kg.pipeline.report import BuildReport
@@ -38,6 +42,23 @@ int main(int argc, char** argv) {{
 CMAKE = "project({name})\nfind_package(catkin REQUIRED roscpp)\nadd_executable({name}_node src/node.cpp)\n"
 
 _ONTOLOGY = b'<urn:x:a> <http://www.w3.org/2000/01/rdf-schema#label> "a" .\n'
+
+
+@contextmanager
+def few_ontologies() -> Iterator[None]:
+    """Let builds write nearly empty ontologies, for tests of what rules do not read."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inferring, "_in_force", lambda *_: _ONTOLOGY)
+        yield
+
+
+@pytest.fixture(scope="module")
+def extractors() -> Iterator[list[Forked]]:
+    """The extractor processes that workers in this process start: they are forked."""
+    started: list[Forked] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(f"{EXTRACTING}.subprocess", fork_extractors(started))
+        yield started
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +89,7 @@ class Bench:
         Without rules, the ontologies are nearly empty as well: together they take most of the time. Each such build
         writes a generation.
         """
-        with pytest.MonkeyPatch.context() as patch:
-            if not rules:
-                patch.setattr(inferring, "_in_force", lambda *_: _ONTOLOGY)
+        with nullcontext() if rules else few_ontologies():
             return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}), rules=rules)
 
     def content(self) -> list[str]:

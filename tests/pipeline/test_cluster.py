@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 from patience import patient
+from pipeline.conftest import few_ontologies
 from ports import own_port
 
 from kg.errors import SourceError, UsageError
@@ -25,6 +26,7 @@ from kg.settings import load
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from forks import Forked
     from pipeline.conftest import Bench
 
     from kg.pipeline.report import BuildReport, PackageResult
@@ -33,8 +35,8 @@ distributed = pytest.importorskip("distributed", reason="the extra `cluster` is 
 
 
 @pytest.fixture(scope="module")
-def scheduler() -> Iterator[str]:
-    """The address of a cluster of two workers in this process; their extractors are child processes."""
+def scheduler(extractors: list[Forked]) -> Iterator[str]:  # noqa: ARG001 - used by the workers
+    """The address of a cluster of two workers in this process; their extractors are forked."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
     ) as started:
@@ -62,26 +64,34 @@ class Told(Report):
 def on_cluster(bench: Bench, address: str, artifacts: Path, told: Told | None = None) -> BuildReport:
     """Build the workspace into the store of `bench` on a cluster."""
     given = {"cluster": address, "artifacts": str(artifacts)}
-    return build([str(bench.source)], bench.store, load(given, environment={}), told, rules=False)
+    with few_ontologies():
+        return build([str(bench.source)], bench.store, load(given, environment={}), told, rules=False)
 
 
-def children(process: int | None = None) -> set[int]:
-    """Return the extractor processes of the workers in this process, or the forks of one of them."""
-    tasks = Path(f"/proc/{process or 'self'}/task").iterdir()
-    found = {int(number) for task in tasks for number in (task / "children").read_text().split()}
-    return {number for number in found if b"kg.pipeline.extracting" in _command(number)}
+def processes(extractors: list[Forked]) -> set[int]:
+    """Return the running processes among extractors."""
+    return {process.pid for process in extractors if _runs(process.pid)}
 
 
-def forks() -> set[int]:
-    """Return the forks that read packages."""
-    return {fork for process in children() for fork in children(process)}
+def forks(extractors: list[Forked]) -> set[int]:
+    """Return the forks of extractors that read packages."""
+    return {fork for process in processes(extractors) for fork in _children(process) if _runs(fork)}
 
 
-def _command(process: int) -> bytes:
+def _children(process: int) -> set[int]:
     try:
-        return Path(f"/proc/{process}/cmdline").read_bytes()
+        tasks = [task / "children" for task in Path(f"/proc/{process}/task").iterdir()]
+        return {int(number) for task in tasks for number in task.read_text().split()}
+    except OSError:  # it has ended
+        return set()
+
+
+def _runs(process: int) -> bool:
+    """Return whether a process exists and has not ended; that of a process that has ended has no command line."""
+    try:
+        return bool(Path(f"/proc/{process}/cmdline").read_bytes())
     except OSError:
-        return b""
+        return False
 
 
 def wait_for(condition: Callable[[], object]) -> None:
@@ -157,9 +167,9 @@ def test_damaged_results_are_read_again(bench: Bench, scheduler: str, tmp_path: 
     assert other.content() == bench.content()
 
 
-@pytest.mark.parametrize("found", [children, forks], ids=["process", "fork"])
+@pytest.mark.parametrize("those", [processes, forks], ids=["process", "fork"])
 def test_a_killed_reader_is_replaced(
-    bench: Bench, scheduler: str, tmp_path: Path, found: Callable[[], set[int]]
+    bench: Bench, scheduler: str, extractors: list[Forked], tmp_path: Path, those: Callable[[list[Forked]], set[int]]
 ) -> None:
     """If the process of a package, or its fork, is killed, another one reads it."""
     bench.build()
@@ -169,14 +179,14 @@ def test_a_killed_reader_is_replaced(
 
     def kill(_: str) -> None:
         if not killed:
-            wait_for(found)
-            killed.extend(found())
+            wait_for(lambda: those(extractors))
+            killed.extend(those(extractors))
             for process in killed:
                 os.kill(process, signal.SIGKILL)
 
     on_cluster(other, scheduler, tmp_path / "artifacts", Told(kill))
     assert killed
-    assert not found() & set(killed)
+    assert not those(extractors) & set(killed)
     assert other.content() == bench.content()
 
 
@@ -199,15 +209,15 @@ def test_a_fork_that_has_grown_makes_way_for_another() -> None:
 
 
 def test_a_hanging_reader_is_replaced(
-    bench: Bench, scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    bench: Bench, scheduler: str, extractors: list[Forked], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A package that exceeds its time limit is assigned to another process."""
     bench.build()
     on_cluster(bench.sibling("warm"), scheduler, tmp_path / "other-artifacts")
-    wait_for(children)
+    wait_for(lambda: processes(extractors))
     monkeypatch.setattr(extracting, "_START_SECONDS", patient(0.1))
     monkeypatch.setattr(pool, "PACKAGE_SECONDS", patient(1))
-    os.kill(min(children()), signal.SIGSTOP)  # the others read its packages
+    os.kill(min(processes(extractors)), signal.SIGSTOP)  # the others read its packages
     other = bench.sibling("other")
     report = on_cluster(other, scheduler, tmp_path / "artifacts")
     assert not report.problems

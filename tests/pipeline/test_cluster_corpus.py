@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 from corpus.repositories import commit_tree, git, repository
+from pipeline.conftest import few_ontologies
 
 from kg.corpus.fetching.cache import fetch_source
 from kg.corpus.fetching.lock import Lock, checkouts, read_lock, standing, write_lock
@@ -25,6 +26,7 @@ from kg.settings import load
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from forks import Forked
     from pipeline.conftest import Bench
 
     from kg.corpus.fetching.lock import Entry
@@ -44,8 +46,8 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 @pytest.fixture(scope="module")
-def scheduler(cache: Path) -> Iterator[str]:  # noqa: ARG001 - set for the processes of the workers
-    """The address of a cluster of two workers in this process; their extractors are child processes."""
+def scheduler(cache: Path, extractors: list[Forked]) -> Iterator[str]:  # noqa: ARG001 - set for the workers
+    """The address of a cluster of two workers in this process; their extractors are forked."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
     ) as started:
@@ -103,7 +105,8 @@ class Remote:
         found = self.pins()
         settings = load({"cluster": scheduler, "artifacts": str(self.origins / "../artifacts")}, environment={})
         pins = {folder: pin for folder, pin in found.items() if pin}
-        return build([*found], self.bench.store, settings, report, rules=False, pins=pins)
+        with few_ontologies():
+            return build([*found], self.bench.store, settings, report, rules=False, pins=pins)
 
     def alone(self, *names: str) -> list[str]:
         """Return the quads of a build of checkouts on one machine; of some repositories if names are given."""
@@ -114,7 +117,8 @@ class Remote:
         fetch(wanted_among(one.url for one in kept), self.lock.parent, at, Options(), Quiet())
         folders = [*checkouts(Lock(at, tuple(kept)), standing(read_lock(at)))]
         other = self.bench.sibling("alone")
-        build(folders, other.store, load({}, environment={}), rules=False)
+        with few_ontologies():
+            build(folders, other.store, load({}, environment={}), rules=False)
         shutil.rmtree(self.lock.parent / "local")
         return other.content()
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
 
 from kg.store import bulk
-from kg.store.terms import cells, of_spelling, parts_of_lines, spell
+from kg.store.terms import cells, of_spelling, parts_of_lines, spell, split_blank
 
 P = NamedNode("urn:p")
 G = NamedNode("urn:g")
@@ -96,3 +96,13 @@ def written(term: Literal | Triple) -> bytes:
     if isinstance(term, Triple):
         return b"<<( <urn:p> <urn:p> %s )>>" % written(term.object)  # type: ignore[arg-type]  # what `terms` has inside
     return str(term).encode()
+
+
+@given(
+    st.lists(st.sampled_from([b"<urn:s> <urn:p> _:b .\n", b"_:b <urn:p> <urn:o> .\n", b"<urn:s> <urn:p> <urn:o> .\n"]))
+)
+def test_lines_with_blank_nodes_are_set_apart(lines: list[bytes]) -> None:
+    """Both parts keep the order of their lines."""
+    plain = [line for line in lines if b"_:" not in line]
+    others = [line for line in lines if b"_:" in line]
+    assert split_blank(b"".join(lines)) == (b"".join(plain), b"".join(others))

@@ -9,30 +9,23 @@ from kg.graph.reading import overview
 from kg.graph.reading.nodes import node_records
 from kg.graph.records import node_object
 from kg.query.stats import counted, statistics
-from kg.store.opening import layout_of
 from kg.views import answers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from kg.query.stats import Statistics
-    from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 VERSION: Final = 7
 
 
 @pytest.fixture
-def folder(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """The folder of cached counts, empty before and after a test."""
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of cached counts, empty, and outside of the store, which other workers use too."""
     monkeypatch.setattr(answers, "_version", lambda: VERSION)
-    found = layout_of(settings).cache / "answers" / "stats"
-    for path in found.glob("*"):
-        path.unlink()
-    yield found
-    for path in found.glob("*"):
-        path.unlink()
+    monkeypatch.setattr(answers, "_FOLDER", str(tmp_path))  # absolute, so it replaces that of the store
+    return tmp_path / "stats"
 
 
 def test_kept_answers_are_those_of_the_store(snapshot: EmbeddedSnapshot, folder: Path) -> None:

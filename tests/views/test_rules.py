@@ -114,3 +114,14 @@ def test_the_index_reports_broken_rules(snapshot: EmbeddedSnapshot, settings: Se
     found = rule_index(snapshot, changed, family="mine")
     assert found["problems"] == rule_feeds(snapshot, changed)["problems"] != []
     assert found["rules"][0]["error"]["code"].startswith("KG2")
+
+
+def test_equal_rules_of_another_folder_have_their_own_places(
+    snapshot: EmbeddedSnapshot, settings: Settings, tmp_path: Path
+) -> None:
+    """Rules are cached by their content and their folders: an error names the file that is in force."""
+    for name in ("first", "second"):
+        (tmp_path / name / "mine").mkdir(parents=True)
+        (tmp_path / name / "mine" / "broken.rq").write_text("# Broken\nCONSTRUCT { ?a ?b } WHERE", "utf-8")
+        (problem,) = rule_feeds(snapshot, replace(settings, rules=(tmp_path / name,)))["problems"]
+        assert str(tmp_path / name) in problem

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode
 
 from kg.rules.dependencies import depends, mints
 from kg.rules.engine.blocks import Blocks
@@ -23,8 +23,9 @@ from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver, State
-from kg.rules.form import Atom, Rule, is_auxiliary
+from kg.rules.form import Atom, Rule, Variable, is_auxiliary
 from kg.rules.stratify import Stratum, stratify
+from kg.store.terms import spell
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -169,7 +170,11 @@ class _Run:
         self.reports += reports
         rules = []
         for report in reports:
-            if closures.register(report):
+            if not closures.register(report):
+                continue
+            if not stratum.recursive and not self._possible(report.rule):
+                report.rounds += 1
+            else:
                 plan = self._plans[report.rule]
                 pivots = _pivots(plan, stratum.rules, self._state.dictionary) if stratum.recursive else ()
                 rules.append(_Active(plan, report, tuple(pivots)))
@@ -188,6 +193,22 @@ class _Run:
                         self._apply(rule, self._changed(rule, pivot, last, old), delta)
             self._close(closures, delta, [delta] if delta.predicates else [])
         self._merge(delta)
+
+    def _possible(self, rule: Rule) -> bool:
+        """Return whether each atom of the outer body has any triples: most rules lack some, and need no plan."""
+        find = self._state.dictionary.find
+        for atom in rule.body:
+            if not isinstance(atom, Atom) or not isinstance(atom.predicate, NamedNode):
+                continue
+            facts = self._asserted if atom.asserted else self._facts
+            predicate = find(spell(atom.predicate))
+            if predicate is None or predicate not in facts.predicates:
+                return False
+            if isinstance(atom.subject, Variable) and isinstance(atom.object, NamedNode | Literal):
+                value = find(spell(atom.object))
+                if value is None or not facts.has(predicate, value=value):
+                    return False
+        return True
 
     def _close(self, closures: _Closures, delta: Facts, fresh: list[Facts]) -> None:
         """Add to `delta` the triples that follow from equal terms; `fresh` was not examined before."""

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -220,3 +222,23 @@ def test_many_values_join_with_many_triples() -> None:
     values = Values((Variable("v"),), tuple((NamedNode(f"urn:x:v{number}"),) for number in range(100)))
     asserted = facts("\n".join(f":n{number} :p :o" for number in range(80)))
     assert len(inferred([rule("?x :with ?v", "?x :p ?o", values)], asserted)) == 8000
+
+
+@pytest.mark.parametrize("body", ["?x :q ?y", "?x :p :c", "?x :absent :c", ":c :q ?x", "?x :p ?y . ?y :q :b"])
+def test_a_rule_is_planned_only_if_each_of_its_atoms_has_triples(body: str) -> None:
+    """Most rules of a small workspace lack some; they run, and match nothing."""
+    dictionary, given = Dictionary(), rule("?x :r ?x", body)
+    program = Program([given])
+    every = ":a :p :b\n:a :p :c\n:b :q :b\n:c :q :a\n:d :absent :c"
+    for text, planned in ((":a :p :b", False), (every, True)):
+        (report,) = evaluate(program, dictionary, columns(facts(text), dictionary)).reports
+        assert (given in program.plans(dictionary), report.rounds, report.derived > 0) == (planned, 1, planned)
+
+
+def test_an_atom_of_asserted_triples_needs_asserted_triples() -> None:
+    """Triples that another rule derived do not count."""
+    dictionary = Dictionary()
+    reads = rule("?x :r ?y", *(replace(atom, asserted=True) for atom in atoms("?x :q ?y")))
+    program = Program([rule("?x :q ?y", "?x :p ?y"), reads])
+    assert not len(evaluate(program, dictionary, columns(facts(":a :r :b"), dictionary)).inferred)
+    assert reads not in program.plans(dictionary)
