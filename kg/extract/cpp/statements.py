@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 _DEEPEST: Final = 150
 _MOST_STREAMS: Final = 64
+_EXITS: Final = frozenset({("exit",), ("", "exit"), ("std", "exit"), ("_exit",)})
+"""Functions that end the program, with its result as their argument."""
 _SKIPPED: Final = frozenset({"comment", "ERROR"})
 _SHELLS: Final = frozenset(
     {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
@@ -101,7 +103,12 @@ class Statements:
 
     def _expression_statement(self, node: Node) -> list[Statement]:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
-        return [Step(line_of(node), self._expressions.expression(inner))] if inner is not None else []
+        if inner is None:
+            return []
+        step = Step(line_of(node), self._expressions.expression(inner))
+        called = step.value.function if isinstance(step.value, Call) and step.value.arguments else None
+        ends = isinstance(called, Name) and called.names in _EXITS
+        return [step, Jump(step.line, "raise")] if ends else [step]
 
     def declaration(self, node: Node) -> list[Declare]:
         """Return the variables of a declaration."""

@@ -48,6 +48,8 @@ _DEEPEST: Final = 60
 _OWN: Final = frozenset({"function_definition", "class_definition", "lambda"})
 _BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expression"})
 _CONTEXT: Final = "contextmanager"
+_EXITS: Final = frozenset({"sys.exit", "os._exit", "exit", "quit"})
+"""Functions that end the program."""
 """The end of the names of decorators that make a context manager of a generator."""
 _METHODS: Final = frozenset(
     {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", "root_validator", _CONTEXT}
@@ -129,6 +131,8 @@ class Statements:
                 steps += self._broken(child)
             elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
                 steps.append(Step(line_of(child), self._expressions.expression(child)))
+                if child.type == "call" and code(child.child_by_field_name("function")) in _EXITS:
+                    steps.append(Jump(line_of(child), "raise"))
         return steps
 
     def _assignment(self, node: Node) -> list[Statement]:
