@@ -167,6 +167,11 @@ class Statements:
             if child.type not in ("comment", "chevron")
         ]
 
+    def _raise(self, node: Node) -> list[Statement]:
+        """Return a `raise`; the program runs in the argument of `raise SystemExit(main())`."""
+        runs = code(node).startswith("raise SystemExit(")
+        return [*(self._values(node) if runs else ()), Jump(line_of(node), "raise")]
+
     def _broken(self, node: Node) -> list[Statement]:
         """Return the statements and calls in code that does not parse."""
         statements: list[Statement] = []
@@ -380,7 +385,7 @@ class Statements:
         "ERROR": _broken,
         "delete_statement": _delete,
         "return_statement": _return,
-        "raise_statement": lambda _, node: [Jump(line_of(node), "raise")],
+        "raise_statement": _raise,
         "break_statement": lambda _, node: [Jump(line_of(node), "break")],
         "continue_statement": lambda _, node: [Jump(line_of(node), "continue")],
         "import_statement": _import,
