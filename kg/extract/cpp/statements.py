@@ -132,7 +132,7 @@ class Statements:
         if written is None and target.type == "function_declarator":
             return self._vexing(node, target, kind)
         name = syntax.declared_name(target)
-        value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
+        value = self.begin(written, target, kind, line_of(declarator)) if written is not None else None
         if value is None and kind.name in STREAMS and (count := _count(target)):
             value, kind = Display(line, (Construct(line, kind, ()),) * count), Type(("vector",), (kind,))
         if isinstance(value, Display) and any(isinstance(one, Construct) for one in value.items):
@@ -143,7 +143,7 @@ class Statements:
         """Return the object without a name that `auto [a, b] = value` declares, and the names of its elements."""
         kind = Type(("auto",), reference=target.type == "reference_declarator")
         whole = syntax.text(target)
-        value = self._begin(written, target, kind, line) if written is not None else None
+        value = self.begin(written, target, kind, line) if written is not None else None
         return [
             Declare(line, whole, kind, value),
             *(
@@ -152,7 +152,7 @@ class Statements:
             ),
         ]
 
-    def _begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
+    def begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
         """Return the first value of a variable: `= value`, `(value)` or `{value}`."""
         if written.type not in ("argument_list", "initializer_list"):
             return self._expressions.expression(written)

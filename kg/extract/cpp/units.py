@@ -542,9 +542,13 @@ class CppUnit(Unit):
                     latest = Field(
                         syntax.text(name), kind, None, line_of(child), "static" in storage, "inline" in storage
                     )
-                    cls.fields[latest.name] = latest
+                    cls.fields[latest.name], target = latest, child
             elif role == "default_value" and latest is not None:
-                latest.value = self.expressions.expression(child)
+                given = latest.type
+                if latest.static and given is not None and child.named_child_count == 1:  # `static constexpr int A{1};`
+                    latest.value = self._statements.begin(child, target, given, latest.line)
+                else:
+                    latest.value = self.expressions.expression(child)
 
     def _declare_method(self, node: Node, declarator: Node, cls: Class, template: _Scope) -> None:
         name = syntax.declared_name(declarator)
