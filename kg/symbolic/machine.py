@@ -163,8 +163,8 @@ class Machine:
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
-        for value in values:
-            parameter = getattr(value, "parameter", None)
+        parameters = [getattr(value, "parameter", None) for value in values]
+        for value, parameter in zip(values, parameters, strict=True) if len(set(parameters)) > 1 else ():
             if parameter is not None and whole_parameter(value) and not whole_parameter(joined):
                 self.framework.defaulted(parameter, joined)
         return joined

@@ -478,7 +478,7 @@ def _option(given: Arguments) -> tuple[Value, Value] | None:
     if isinstance(default, Text):
         value: Value = replace(default, resolution=Resolution.LAUNCH_ARGUMENT, parameter=parameter)
     elif isinstance(default, Number | Sequence | Mapping):
-        value = default
+        value = replace(default, parameter=parameter) if isinstance(default, Number) else default
     elif given.named.get("action") is not None:
         value = Unknown("it is given on the command line", label=label_of(name))
     else:
