@@ -72,7 +72,7 @@ _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
-_OUT: Final = ("return", "raise")
+_OUT: Final = ("return", "raise", "exit")
 _LEFT: Final = (*_OUT, "break")
 _COUNTS: Final = Unknown("it counts the turns of a loop", label="")
 
@@ -163,8 +163,8 @@ class Machine:
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
-        parameters = [getattr(value, "parameter", None) for value in values]
-        for value, parameter in zip(values, parameters, strict=True) if len(set(parameters)) > 1 else ():
+        for value in values if not (isinstance(joined, Text) and joined.exact == "" and joined.parameter) else ():
+            parameter = getattr(value, "parameter", None)
             if parameter is not None and whole_parameter(value) and not whole_parameter(joined):
                 self.framework.defaulted(parameter, joined)
         return joined
@@ -303,15 +303,16 @@ class Machine:
                 if not holds.value:
                     continue
                 closed = True
-                if not sides:
-                    return self.run(body, frame)
+                if not sides:  # a program that always ends here would be useless: what decides is not really known
+                    ended = self.run(body, frame)
+                    return ended if ended != "exit" else None
             terms.append((*negated, *terms_of(holds)))
             arms.append(arm)
             with self._under(terms[-1]):
                 narrow = narrowed(self, arms, frame)
                 written, ended = attempt(self._journal, narrow, partial(self.run, body, frame))
             sides.append(written)
-            ends.append(ended)
+            ends.append(ended if ended != "exit" else "raise")
             if closed:
                 break
             negated += opposite_terms(holds)

@@ -108,7 +108,7 @@ class Statements:
         step = Step(line_of(node), self._expressions.expression(inner))
         called = step.value.function if isinstance(step.value, Call) and step.value.arguments else None
         ends = isinstance(called, Name) and called.names in _EXITS
-        return [step, Jump(step.line, "raise")] if ends else [step]
+        return [step, Jump(step.line, "exit")] if ends else [step]
 
     def declaration(self, node: Node) -> list[Declare]:
         """Return the variables of a declaration."""

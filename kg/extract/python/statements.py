@@ -132,7 +132,7 @@ class Statements:
             elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
                 steps.append(Step(line_of(child), self._expressions.expression(child)))
                 if child.type == "call" and code(child.child_by_field_name("function")) in _EXITS:
-                    steps.append(Jump(line_of(child), "raise"))
+                    steps.append(Jump(line_of(child), "exit"))
         return steps
 
     def _assignment(self, node: Node) -> list[Statement]:
@@ -170,7 +170,7 @@ class Statements:
     def _raise(self, node: Node) -> list[Statement]:
         """Return a `raise`; the program runs in the argument of `raise SystemExit(main())`."""
         runs = code(node).startswith("raise SystemExit(")
-        return [*(self._values(node) if runs else ()), Jump(line_of(node), "raise")]
+        return [*(self._values(node) if runs else ()), Jump(line_of(node), "exit" if runs else "raise")]
 
     def _broken(self, node: Node) -> list[Statement]:
         """Return the statements and calls in code that does not parse."""
