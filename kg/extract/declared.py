@@ -56,9 +56,13 @@ def facts_of(
             before = interfaces.get(key)
             if before is None:
                 interfaces[key] = interface
-            elif set(before.switches) - set(interface.switches):  # either way creates it
-                common = tuple(one for one in before.switches if one in interface.switches)
-                interfaces[key] = replace(before, switches=common)
+                continue
+            common = tuple(one for one in before.switches if one in interface.switches)  # either way creates it
+            again = before.again
+            if interface.location not in (before.location, *again):
+                again = (*again, interface.location)
+            if common != before.switches or again is not before.again:
+                interfaces[key] = replace(before, switches=common, again=again)
         elif one.effect.access is not None:
             parameter = _parameter(one, one.effect.access, home)
             key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)

@@ -8,6 +8,8 @@ Each is stated only where the text leaves no doubt:
 * `unset` and `filled`: parts of its message that stay empty, and parts that are set (`kg.extract.filling`).
 * `ignored`: the callback of a subscription does nothing with the messages (`kg.extract.ignoring`).
 
+An end that several calls create, for different variables, has none of these.
+
 The interpretation does not show it: callbacks in which nothing is declared do not run (`kg.symbolic.reach`).
 """
 
@@ -80,7 +82,7 @@ def _stated(end: Interface, node: NodeType, files: _Files) -> Interface:
     if end.role not in (Role.PUBLISHES, Role.SUBSCRIBES) or end.implicit or end.location.repository is not None:
         return end
     file = files.get(end.location.path)
-    if file is None:
+    if file is None or not _alone(end, file):
         return end
     if end.role is Role.SUBSCRIBES:
         ignored = not end.via and ignores_messages(file, end.location.line, files.with_word)
@@ -94,6 +96,13 @@ def _stated(end: Interface, node: NodeType, files: _Files) -> Interface:
     filled = tuple(part for part in set_parts(end, file) if part not in unset)
     upon = _upon(uses, variable, node, files, scope) if variable is not None and uses else ()
     return replace(end, unset=unset, filled=filled, upon=upon) if unset or filled or upon else end
+
+
+def _alone(end: Interface, file: CodeText) -> bool:
+    """Check whether all calls that create the same end assign it to the same variable."""
+    same = not end.again or end.role is Role.PUBLISHES
+    variable = _variable(file, end.location.line) if end.again else None
+    return same and all(one.path == file.path and _variable(file, one.line) == variable for one in end.again)
 
 
 @dataclass

@@ -215,6 +215,8 @@ class Interface:
     """Parts of its message that the file that creates it sets."""
     node: str | None = None
     """The name that the code gives to the node that has it, if the program has others, of which it is not the first."""
+    again: tuple[Location, ...] = ()
+    """Other calls that create the same."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -296,7 +296,7 @@ class Return:
 
 @dataclass(slots=True, eq=False)
 class Jump:
-    """`break`, `continue` or `raise`."""
+    """`break`, `continue`, `raise`, or `exit` for the end of the program."""
 
     line: int
     kind: str

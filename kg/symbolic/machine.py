@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.symbolic import form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import counted_by, grown, is_unset
-from kg.symbolic.narrowing import attempt, narrowed
+from kg.symbolic.narrowing import Arm, attempt, exclude, narrowed
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -72,7 +72,7 @@ _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
-_OUT: Final = ("return", "raise")
+_OUT: Final = ("return", "raise", "exit")
 _LEFT: Final = (*_OUT, "break")
 _COUNTS: Final = Unknown("it counts the turns of a loop", label="")
 
@@ -163,7 +163,7 @@ class Machine:
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
-        for value in values:
+        for value in values if not (isinstance(joined, Text) and joined.exact == "" and joined.parameter) else ():
             parameter = getattr(value, "parameter", None)
             if parameter is not None and whole_parameter(value) and not whole_parameter(joined):
                 self.framework.defaulted(parameter, joined)
@@ -292,26 +292,27 @@ class Machine:
             del self.guards[before:]
 
     def _branch(self, statement: form.Branch, frame: Frame) -> str | None:
-        sides: list[Written] = []
-        ends: list[str | None] = []
-        terms: list[tuple[str, ...]] = []
+        arms, sides = list[Arm](), list[Written]()
+        ends, terms = list[str | None](), list[tuple[str, ...]]()
         negated: list[str] = []
         closed = False
-        for condition, body in statement.arms:
+        for arm in statement.arms:
+            condition, body = arm
             holds = Truth(True) if condition is None else self.holds(condition, frame)
             if isinstance(holds, Truth):
                 if not holds.value:
                     continue
                 closed = True
-                if not sides:
-                    return self.run(body, frame)
+                if not sides:  # a program that always ends here would be useless: what decides is not really known
+                    ended = self.run(body, frame)
+                    return ended if ended != "exit" else None
             terms.append((*negated, *terms_of(holds)))
+            arms.append(arm)
             with self._under(terms[-1]):
-                written, ended = attempt(
-                    self._journal, narrowed(self, condition, frame), frame, partial(self.run, body, frame)
-                )
+                narrow = narrowed(self, arms, frame)
+                written, ended = attempt(self._journal, narrow, partial(self.run, body, frame))
             sides.append(written)
-            ends.append(ended)
+            ends.append(ended if ended != "exit" else "raise")
             if closed:
                 break
             negated += opposite_terms(holds)
@@ -322,6 +323,7 @@ class Machine:
         live = self._joined_sides(sides, ends, terms)
         if not live:
             return next((end for end in ends if end != "raise"), "raise")
+        exclude(self, self._journal, arms, ends, frame)
         if len(live) == 1 and self.is_decided(ends):
             self.guards += [term for term in terms[live[0]] if term not in self.guards]
         return None

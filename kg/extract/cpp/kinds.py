@@ -128,7 +128,7 @@ class Kinds:
             types = {name: value for one in reversed([*frame.outward()]) for name, value in one.types.items()}
             if not mentions(alias[1], tuple(types)):
                 return None
-            return self.kind(alias[1], Frame(alias[3], alias[0], types=types), depth + 1)
+            return self._meant(alias[1], Frame(alias[3], alias[0], types=types), depth)
         if kind.outer and names[-1] not in POINTER_ALIASES:
             owner = self.kind(form.Type(names[:-1], kind.outer), frame, depth + 1)
         elif frame.templated and len(names) == _PAIR:
@@ -144,8 +144,14 @@ class Kinds:
             alias = self._linker.find_alias(names[-1:], cls.unit, cls.inside)
             if alias is not None and alias[0] == cls.inside:
                 types = bound | dict(zip(alias[2], arguments, strict=False))
-                return self.kind(alias[1], Frame(alias[3], alias[0], types=types), depth + 1)
+                return self._meant(alias[1], Frame(alias[3], alias[0], types=types), depth)
         return None
+
+    def _meant(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
+        """Return the type that an alias stands for; that of pointers to a class is not the class."""
+        meant = self.kind(kind, frame, depth + 1)
+        points = kind.pointer and isinstance(meant, Kind) and meant.cls is not None
+        return Kind((POINTER,), (TypeValue(meant),)) if points and isinstance(meant, Kind) else meant
 
     def _own_alias(self, names: tuple[str, ...], frame: Frame) -> Alias | None:
         """Return the meaning of a name that a class around a frame gives it without parameters of its own."""
@@ -193,7 +199,7 @@ class Kinds:
             at, kind, template, home = alias
             if kind.names != names:
                 inner = Frame(home, at, types=dict(zip(template, arguments, strict=False)))
-                meant = self.kind(kind, inner, depth + 1)
+                meant = self._meant(kind, inner, depth)
                 if not template and arguments and isinstance(meant, Kind) and not meant.arguments:
                     return Kind(meant.names, arguments, meant.cls)  # a template that `using` declares
                 return meant

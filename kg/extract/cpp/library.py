@@ -206,7 +206,8 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
         if value.kind.cls is not None and value.kind.cls is resolved.cls:
             return 2.5
         if language.kinds.is_a(value.kind, name):
-            return 2.0
+            nested = zip(reversed(value.kind.names), reversed(resolved.names), strict=False)
+            return 2.0 if value.kind.cls is not None or all(own == other for own, other in nested) else 1.0
         return -2.0 if name in TEXTS or name in NUMBERS or name == "bool" else -0.5
     return 0.0
 

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 _DEEPEST: Final = 150
 _MOST_STREAMS: Final = 64
+_EXITS: Final = frozenset({("exit",), ("", "exit"), ("std", "exit"), ("_exit",)})
+"""Functions that end the program, with its result as their argument."""
 _SKIPPED: Final = frozenset({"comment", "ERROR"})
 _SHELLS: Final = frozenset(
     {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
@@ -101,7 +103,12 @@ class Statements:
 
     def _expression_statement(self, node: Node) -> list[Statement]:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
-        return [Step(line_of(node), self._expressions.expression(inner))] if inner is not None else []
+        if inner is None:
+            return []
+        step = Step(line_of(node), self._expressions.expression(inner))
+        called = step.value.function if isinstance(step.value, Call) and step.value.arguments else None
+        ends = isinstance(called, Name) and called.names in _EXITS
+        return [step, Jump(step.line, "exit")] if ends else [step]
 
     def declaration(self, node: Node) -> list[Declare]:
         """Return the variables of a declaration."""
@@ -125,7 +132,7 @@ class Statements:
         if written is None and target.type == "function_declarator":
             return self._vexing(node, target, kind)
         name = syntax.declared_name(target)
-        value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
+        value = self.begin(written, target, kind, line_of(declarator)) if written is not None else None
         if value is None and kind.name in STREAMS and (count := _count(target)):
             value, kind = Display(line, (Construct(line, kind, ()),) * count), Type(("vector",), (kind,))
         if isinstance(value, Display) and any(isinstance(one, Construct) for one in value.items):
@@ -136,7 +143,7 @@ class Statements:
         """Return the object without a name that `auto [a, b] = value` declares, and the names of its elements."""
         kind = Type(("auto",), reference=target.type == "reference_declarator")
         whole = syntax.text(target)
-        value = self._begin(written, target, kind, line) if written is not None else None
+        value = self.begin(written, target, kind, line) if written is not None else None
         return [
             Declare(line, whole, kind, value),
             *(
@@ -145,7 +152,7 @@ class Statements:
             ),
         ]
 
-    def _begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
+    def begin(self, written: Node, target: Node, kind: Type, line: int) -> Expression:
         """Return the first value of a variable: `= value`, `(value)` or `{value}`."""
         if written.type not in ("argument_list", "initializer_list"):
             return self._expressions.expression(written)

@@ -397,14 +397,17 @@ class CppUnit(Unit):
     def _alias(self, node: Node, scope: _Scope, template: _Scope) -> None:
         kind = node.child_by_field_name("type")
         if node.type == "alias_declaration":
-            names = [node.child_by_field_name("name")]
+            declarators = [node.child_by_field_name("name")]
         else:
-            names = [syntax.declared_name(d) for d in node.children_by_field_name("declarator")]
+            declarators = [*node.children_by_field_name("declarator")]
         if kind is not None and kind.child_by_field_name("body") is not None:
             self._type(kind, scope, template)
-        for name in names:
-            if name is not None and kind is not None:
-                self._aliases[syntax.text(name)].append((scope, kind, template))
+        for declarator in declarators:
+            name = syntax.declared_name(declarator)
+            if declarator is not None and name is not None and kind is not None:
+                pointer = declarator.type == "pointer_declarator"
+                meant = self.expressions.type(kind, pointer=True) if pointer else kind
+                self._aliases[syntax.text(name)].append((scope, meant, template))
 
     def _variable(self, node: Node, scope: _Scope) -> None:
         kind = node.child_by_field_name("type")
@@ -545,9 +548,13 @@ class CppUnit(Unit):
                     latest = Field(
                         syntax.text(name), kind, None, line_of(child), "static" in storage, "inline" in storage
                     )
-                    cls.fields[latest.name] = latest
+                    cls.fields[latest.name], target = latest, child
             elif role == "default_value" and latest is not None:
-                latest.value = self.expressions.expression(child)
+                given = latest.type
+                if latest.static and given is not None and child.named_child_count == 1:  # `static constexpr int A{1};`
+                    latest.value = self._statements.begin(child, target, given, latest.line)
+                else:
+                    latest.value = self.expressions.expression(child)
 
     def _declare_method(self, node: Node, declarator: Node, cls: Class, template: _Scope) -> None:
         name = syntax.declared_name(declarator)

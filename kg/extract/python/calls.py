@@ -94,13 +94,25 @@ class Calls:
         return Arguments(values, (), expression, frame, named)
 
     def _decorated(self, expression: form.Call, frame: Frame) -> Value:
-        """Return a function or class as a decorator makes it; decorators outside of the sources leave it as it is."""
+        """Return a function or class as a decorator makes it; decorators outside of the sources leave it as it is.
+
+        Those that are a method of an object outside, such as `@server.tool()`, call the function later.
+        """
         machine = self._language.machine
         decorator, function = (machine.value(one, frame) for one in expression.arguments)
         if not isinstance(decorator, Closure):
+            if self._registers(expression.arguments[0], frame):
+                self.escape([one for one in (function,) if isinstance(one, Closure) and one.function.owner is None])
             return function
         decorated = self.value(decorator, Arguments([function]))
         return decorated if isinstance(decorated, Closure | TypeValue | Object) else function
+
+    def _registers(self, decorator: form.Expression, frame: Frame) -> bool:
+        """Check whether a decorator of a function is what a method of an object outside gives."""
+        called = decorator.function if isinstance(decorator, form.Call) else None
+        if not isinstance(called, form.Member):
+            return False
+        return isinstance(self._language.machine.value(called.of, frame), Object | Unknown)
 
     def construct_expression(self, expression: form.Construct, frame: Frame) -> Value:
         """Return an unknown value, since Python constructs by calls."""

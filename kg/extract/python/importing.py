@@ -9,7 +9,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _IMPORT: Final = re.compile(
-    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+\(?([^#\n\\)]*)|import[ \t]+([\w., \t]+))", re.MULTILINE
+    rb"^[ \t]*(?:from[ \t]+(\.*[\w.]*)[ \t]+import[ \t]+\(?([^#\n\\)]*)|import[ \t]+([\w., \t]+))"
+    rb"|\b(?:import_module|uvicorn\.run)\([ \t]*[\"']([\w.]+)",
+    re.MULTILINE,
 )
 
 
@@ -17,11 +19,12 @@ def imported(source: bytes) -> Iterator[tuple[list[str], int]]:
     """Yield each imported module with its line, from 1; names that may be modules in it follow the module."""
     line, counted = 1, 0
     for match in _IMPORT.finditer(source):
-        at = match.start(3) if match[3] is not None else match.start(1)
+        listed = match[3] or match[4]
+        at = match.start(match.lastindex or 0) if listed is not None else match.start(1)
         line, counted = line + source.count(b"\n", counted, at), at
-        if match[3] is not None:
+        if listed is not None:
             yield from (
-                ([names[0]], line) for each in match[3].decode("utf-8", "replace").split(",") if (names := each.split())
+                ([names[0]], line) for each in listed.decode("utf-8", "replace").split(",") if (names := each.split())
             )
             continue
         module = match[1].decode("utf-8", "replace")

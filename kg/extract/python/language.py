@@ -124,10 +124,10 @@ class Python:
         unit = cast("PythonUnit", frame.unit)
         names = [name for name in statement.module.split(".") if name]
         if statement.name is None:
-            module = self._imported(names if statement.alias else names[:1], unit)
+            module = self.imported(names if statement.alias else names[:1], unit)
             self._set(frame, statement.alias or names[0], module)
             if not statement.alias and len(names) > 1:
-                self._imported(names, unit)
+                self.imported(names, unit)
         elif statement.name == "*":
             self._import_all(statement.module, unit, frame)
         else:
@@ -137,9 +137,10 @@ class Python:
     def _set(self, frame: Frame, name: str, value: Value) -> None:
         self.machine.assign(form.Name(0, (name,)), value, frame)
 
-    def _imported(self, names: list[str], unit: PythonUnit) -> Value:
+    def imported(self, names: list[str], unit: PythonUnit, *, lazy: bool = True) -> Value:
+        """Return a module by its name, as a file imports it; `lazy` if it may run when its first name is used."""
         module = self.modules.find(".".join(names), unit)
-        return self.module(module, lazy=True) if module is not None else TypeValue(Kind(tuple(names)))
+        return self.module(module, lazy=lazy) if module is not None else TypeValue(Kind(tuple(names)))
 
     def _import_all(self, module: str, unit: PythonUnit, frame: Frame) -> None:
         source = self.modules.find(module, unit) if not self._is_generated(module, unit) else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.python import paths, texts
 from kg.extract.python.functions import FUNCTIONS, NAMED, countable, elements, from_environment, is_open
@@ -14,7 +14,7 @@ from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, is_unset, key_of, part_of, with_element
 from kg.symbolic.durations import INFINITE, duration
 from kg.symbolic.operators import NULL
-from kg.symbolic.parameters import with_parameter
+from kg.symbolic.parameters import type_of_value, with_parameter
 from kg.symbolic.state import Alias, Arguments
 from kg.symbolic.values import (
     ABSENT,
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.extract.python.language import Python
+    from kg.extract.python.modules import PythonUnit
     from kg.symbolic.form import Expression
 
 _COMPUTED: Final = Unknown("it is computed when the program runs")
@@ -52,6 +53,19 @@ _VALUES: Final = frozenset({"value", *(f"{kind}_value" for kind in ("string", "i
     f"{kind}_array_value" for kind in ("string", "integer", "double", "bool")
 }
 """Members of a parameter, or of an enumerator, that are its value."""
+_TYPES: Final = (
+    "bool",
+    "int",
+    "double",
+    "string",
+    "byte_array",
+    "bool_array",
+    "int_array",
+    "double_array",
+    "string_array",
+)
+_TYPE_NUMBERS: Final[dict[str | None, int]] = {name: at for at, name in enumerate(_TYPES, 1)}
+"""The `type` of a rcl_interfaces/ParameterValue."""
 CONSTANTS: Final[dict[str, Value]] = {
     "sys.argv": COMMAND_LINE,
     "os.sep": Text.of("/"),
@@ -89,6 +103,8 @@ def member(of: Value, name: str) -> Value | None:
     """Return a member of a parameter, an enumerator, a number or a path; None for others."""
     if name in _VALUES:
         return of
+    if name == "type" and (of_type := type_of_value(of)) in _TYPE_NUMBERS:
+        return number(_TYPE_NUMBERS[of_type])
     return paths.MEMBERS[name](of) if isinstance(of, Text) and name in paths.MEMBERS else None
 
 
@@ -105,6 +121,15 @@ def call(language: Python, names: tuple[str, ...], given: Arguments) -> Value | 
         return language.machine.over(given.values, lambda *row: named(list(row), given.named))
     special = _SPECIAL.get(path)
     return special(language, given) if special is not None else None
+
+
+def _imported(language: Python, given: Arguments) -> Value | None:
+    """`importlib.import_module("package.module")`, and `uvicorn.run("package.module:app")`."""
+    name = given.values[0].exact if given.values and isinstance(given.values[0], Text) else None
+    if name is None or name.startswith(".") or given.frame is None:
+        return None
+    unit = cast("PythonUnit", given.frame.unit)
+    return language.imported(name.partition(":")[0].split("."), unit, lazy=False)
 
 
 def _attribute(language: Python, given: Arguments) -> Value:
@@ -248,8 +273,10 @@ def _preset(language: Python, given: Arguments) -> Value:
     return language.member(TypeValue(Kind(("rclpy", "qos", "QoSPresetProfiles"))), name) if name else _COMPUTED
 
 
-_SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
+_SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value | None]]] = {
     "builtins.getattr": _attribute,
+    "importlib.import_module": _imported,
+    "uvicorn.run": _imported,
     "builtins.setattr": _set_attribute,
     "builtins.map": _mapped,
     "builtins.next": lambda _, given: _next(given),
@@ -451,7 +478,7 @@ def _option(given: Arguments) -> tuple[Value, Value] | None:
     if isinstance(default, Text):
         value: Value = replace(default, resolution=Resolution.LAUNCH_ARGUMENT, parameter=parameter)
     elif isinstance(default, Number | Sequence | Mapping):
-        value = default
+        value = replace(default, parameter=parameter) if isinstance(default, Number) else default
     elif given.named.get("action") is not None:
         value = Unknown("it is given on the command line", label=label_of(name))
     else:

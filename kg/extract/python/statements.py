@@ -48,6 +48,8 @@ _DEEPEST: Final = 60
 _OWN: Final = frozenset({"function_definition", "class_definition", "lambda"})
 _BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expression"})
 _CONTEXT: Final = "contextmanager"
+_EXITS: Final = frozenset({"sys.exit", "os._exit", "exit", "quit"})
+"""Functions that end the program."""
 """The end of the names of decorators that make a context manager of a generator."""
 _METHODS: Final = frozenset(
     {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", "root_validator", _CONTEXT}
@@ -129,6 +131,8 @@ class Statements:
                 steps += self._broken(child)
             elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
                 steps.append(Step(line_of(child), self._expressions.expression(child)))
+                if child.type == "call" and code(child.child_by_field_name("function")) in _EXITS:
+                    steps.append(Jump(line_of(child), "exit"))
         return steps
 
     def _assignment(self, node: Node) -> list[Statement]:
@@ -162,6 +166,11 @@ class Statements:
             for child in node.named_children
             if child.type not in ("comment", "chevron")
         ]
+
+    def _raise(self, node: Node) -> list[Statement]:
+        """Return a `raise`; the program runs in the argument of `raise SystemExit(main())`."""
+        runs = code(node).startswith("raise SystemExit(")
+        return [*(self._values(node) if runs else ()), Jump(line_of(node), "exit" if runs else "raise")]
 
     def _broken(self, node: Node) -> list[Statement]:
         """Return the statements and calls in code that does not parse."""
@@ -376,7 +385,7 @@ class Statements:
         "ERROR": _broken,
         "delete_statement": _delete,
         "return_statement": _return,
-        "raise_statement": lambda _, node: [Jump(line_of(node), "raise")],
+        "raise_statement": _raise,
         "break_statement": lambda _, node: [Jump(line_of(node), "break")],
         "continue_statement": lambda _, node: [Jump(line_of(node), "continue")],
         "import_statement": _import,
