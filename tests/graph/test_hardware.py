@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import ontologies
 import pytest
-from rdflib import RDF, RDFS, SKOS, Namespace, URIRef
+from rdflib import RDF, RDFS, SKOS, Literal, Namespace, URIRef
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -98,3 +98,16 @@ def test_terms_are_written_as_phrases_are() -> None:
 def test_words_of_many_devices_name_none(word: str, kind: str) -> None:
     """The depth of a submarine, a flying vehicle and the kinematics of a base are not devices of a kind."""
     assert HARDWARE[kind] not in _recognized(KINDS, RNKG.recognizedByWord).get(word, set())
+
+
+@pytest.mark.parametrize("term", ["sensor", "motor", "led", "lidar", "cpu", "nvidia", "firmware", "end effector"])
+def test_general_words_of_texts_name_no_hardware(term: str) -> None:
+    """Texts use them for whatever a robot has; kinds with a name of their own are still recognised."""
+    assert not set(ONTOLOGY.subjects(RNKG.recognizedByTerm, Literal(term)))
+    assert set(ONTOLOGY.subjects(RNKG.recognizedByTerm, Literal("motor controller")))
+
+
+def test_parts_of_other_data_name_no_sensor() -> None:
+    """Motors and boards report a temperature, and commands can be wrenches."""
+    assert not set(ONTOLOGY.subjects(RNKG.recognizedByField, Literal("temperature")))
+    assert not set(ONTOLOGY.subjects(RNKG.recognizedByEndWord, Literal("wrench")))
