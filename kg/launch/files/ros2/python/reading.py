@@ -117,8 +117,8 @@ class Reading:
         text = self.context.perform(parts)
         if HOLE not in text:
             return Text.of(text)
-        names = [part.arguments[0] for part in parts if not isinstance(part, str) and part.kind == "var"]
-        name = "".join(str(part) for part in names[0]) if names else ""
+        variables = (part for part in parts if not isinstance(part, str) and part.kind == "var")
+        name = "".join(map(str, next((one.arguments[0] for one in variables if one.arguments), ())))
         reason = f"the launch configuration `{name}` is not known" if name else reason_of(value)
         return library.with_holes(text, reason)
 
