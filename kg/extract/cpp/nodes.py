@@ -53,6 +53,8 @@ _MAKER: Final = re.compile(
     rb'\bextern\s+"C"\s*(?:\{\s*)?(?:[A-Z_]+\s+)?([\w:]+)\s*\*\s*\w+\s*\([^()]*\)\s*\{\s*return\s+new\s+([\w:]+)\s*[({;]'
 )
 """A function of a library that creates an object of a class for the program that loads it, and its base class."""
+_CLIENT_OF_C: Final = re.compile(rb"\brclc?[_/]")
+"""What programs in C contain that start a node. Those of large libraries take long, and never do."""
 _TREE_NODES: Final = "BT_REGISTER_NODES"
 """The macro whose body registers nodes of behavior trees with a factory."""
 _BASES: Final = {"Nodelet": Registration.NODELET}
@@ -181,6 +183,8 @@ class _Nodes:
             if not mains:
                 return []
             main = mains[0]
+            if main.unit.path.endswith(".c") and not any(_CLIENT_OF_C.search(unit.source) for unit in units):
+                return []
             name = target.output_name or target.name
             place = Location(main.unit.path, main.line)
             node = NodeType(name, NodeKind.EXECUTABLE, "cpp", 0, place, executable=name, sources=target.sources)
