@@ -164,7 +164,7 @@ RESULTS: Final[Mapping[str, str]] = {
     **dict.fromkeys(("parameter", "is set", "path", "namespace", "own namespace", "own prefix"), ""),
     **dict.fromkeys(("node name", "host", "self"), ""),
     **dict.fromkeys(("is declared", "automatic", "argument", "private", "resolved", "sub node", "camera info"), INDEX),
-    **dict.fromkeys(("format", "package"), INDEX),
+    **dict.fromkeys(("format", "listed", "package"), INDEX),
     "handle": "NAMESPACE",
     "duration": SECONDS,
 }

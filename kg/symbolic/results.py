@@ -10,6 +10,7 @@ from kg.symbolic.values import (
     Guard,
     Kind,
     Object,
+    Sequence,
     Text,
     Truth,
     Unknown,
@@ -71,6 +72,8 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
         if isinstance(node, Object):
             node.native["automatic"] = argument
         return node if node is not None else Unknown("it is not known")
+    if what == "listed":
+        return _listed(argument)
     if what == "package":
         return concatenate(Text.of("package://"), argument)
     if what == "resolved":
@@ -82,6 +85,15 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
         native = {"namespace": below(namespace_of(node), argument)}
         return Object(Kind(("rclcpp", "Node")), native=native if node is None else {**native, "of": node})
     return camera_info(argument) if what == "camera info" else argument
+
+
+def _listed(prefixes: Value) -> Value:
+    """Return the names and prefixes of the parameters below some prefixes, each name with a hole."""
+    if not isinstance(prefixes, Sequence) or not prefixes.items or prefixes.open:
+        return _DEPENDS
+    hole = Text.hole("launch files set the parameters below it")
+    listed = Sequence(tuple(concatenate(one, Text.of("."), hole) for one in prefixes.items))
+    return Object(Kind(("rcl_interfaces", "ListParametersResult")), fields={"names": listed, "prefixes": listed})
 
 
 def _is_declared(framework: Framework, name: Value, node: Value | None) -> Value:
