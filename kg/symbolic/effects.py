@@ -16,11 +16,11 @@ from kg.symbolic.names import (
     EMPTY,
     below,
     camera_info,
+    given_namespace,
     handle_namespace,
     namespace_of,
     with_node_name,
 )
-from kg.symbolic.operators import NULL
 from kg.symbolic.parameters import Parameters, listed, ros_type, type_of_value
 from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
@@ -44,7 +44,6 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
-    as_text,
     combinations,
     join,
     number,
@@ -342,9 +341,10 @@ class Framework:
     def _construct_node(self, instance: Object, described: ClassDescription, given: Arguments) -> None:
         arguments = given.values
         instance.native["namespace"] = EMPTY
-        own = self._own_namespace(described, arguments)
-        if own is not None:
-            instance.native["own namespace"] = own
+        if described.namespace is not None:
+            cpp = self.descriptions.language == "cpp"
+            own = given_namespace(arguments, described.namespace, options_in_place=cpp)
+            instance.native.update({"own namespace": own} if own is not None else {})
         options = (one.native.get("automatic") for one in arguments if isinstance(one, Object))
         automatic = next((one for one in (given.named.get(_AUTOMATIC), *options) if one is not None), Truth(False))
         instance.native["automatic"] = automatic
@@ -360,22 +360,6 @@ class Framework:
         )
         if outer is not None:
             instance.native["within"] = outer
-
-    def _own_namespace(self, described: ClassDescription, arguments: list[Value]) -> Text | None:
-        """Return the namespace that code gives a node of ROS 2, with a hole where it is not known; None without one.
-
-        Names do not contain it, as a launch file can replace it. A constructor of C++ without a namespace has the
-        options in its place, followed by a truth value at most.
-        """
-        value = Invocation(None, Arguments(arguments)).argument(described.namespace)
-        given = [one for one in alternatives(value) if isinstance(one, Text | Unknown) and one != NULL] if value else []
-        if not any(isinstance(one, Text) for one in given) and self.descriptions.language == "cpp":
-            last = len(arguments) - 1
-            given = [] if last == described.namespace or isinstance(arguments[last], Truth) else given
-        if len(given) > 1:
-            return Text.hole("the node has one of several namespaces")
-        own = as_text(given[0]) if given else EMPTY
-        return None if own.exact is not None and not own.exact.strip("/") else own
 
     def _shifted(self, node: int | str | None, arguments: list[Value]) -> tuple[Value | None, list[Value]]:
         """Return the node or handle of a call, and the arguments as the description counts them."""

@@ -6,14 +6,18 @@ from dataclasses import replace
 from typing import Final
 
 from kg.holes import PARENT, Hole
+from kg.symbolic.operators import NULL
 from kg.symbolic.values import (
+    ABSENT,
     Either,
     Mapping,
     Object,
     Sequence,
     Text,
+    Truth,
     Unknown,
     Value,
+    alternatives,
     as_text,
     concatenate,
     join,
@@ -93,6 +97,22 @@ def handle_namespace(arguments: list[Value]) -> Value:
             return outer
         return below(outer, as_text(second) if isinstance(second, Unknown) else second)
     return EMPTY if isinstance(first, (Mapping, Sequence)) else below(EMPTY, first)
+
+
+def given_namespace(arguments: list[Value], index: int, *, options_in_place: bool) -> Text | None:
+    """Return the namespace that code gives a node of ROS 2, with a hole where it is not known; None without one.
+
+    Names do not contain it, as a launch file can replace it. A constructor of C++ without a namespace has the options
+    in its place (`options_in_place`), followed by a truth value at most.
+    """
+    values = alternatives(arguments[index]) if index < len(arguments) else ()
+    given = [one for one in values if isinstance(one, Text | Unknown) and one not in (NULL, ABSENT)]
+    if options_in_place and not any(isinstance(one, Text) for one in given):
+        given = [] if len(arguments) - 1 == index or isinstance(arguments[-1], Truth) else given
+    if len(given) > 1:
+        return Text.hole("the node has one of several namespaces")
+    own = as_text(given[0]) if given else EMPTY
+    return None if own.exact is not None and not own.exact.strip("/") else own
 
 
 def own_namespace(node: Value | None) -> Value:
