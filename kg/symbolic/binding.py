@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
@@ -85,6 +86,21 @@ def hand_back(
             put(machine, expression, cast("Value", value), caller)
             text = text or (type(value) is Text and value is not before)
     return text
+
+
+def leave_open(machine: Machine, rows: Iterable[tuple[Parameter, Expression, Value]], caller: Frame) -> None:
+    """Make unknown what a function that does not run may fill for its caller: conditions and empty containers.
+
+    `rows` are as those of `hand_back`.
+    """
+    for parameter, expression, value in rows:
+        kind = parameter.type
+        if kind is None or not kind.reference or kind.constant:
+            continue
+        if isinstance(value, (Number, Truth)) and value.parameter is None:
+            put(machine, expression, Unknown("a function that was not run may change it"), caller)
+        elif isinstance(value, (Sequence, Mapping)) and not value.items and value.parameter is None:
+            put(machine, expression, replace(value, open=True), caller)
 
 
 def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:

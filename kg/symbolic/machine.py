@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.symbolic import form
+from kg.symbolic import binding, form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import counted_by, grown, is_unset
 from kg.symbolic.narrowing import Arm, attempt, exclude, narrowed
@@ -662,6 +662,8 @@ class Machine:
         # Most code declares nothing. Run at each call, it would take most of the time of an extraction.
         settled = fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN
         if settled or not (handed or self.language.reaches(function)):
+            if caller is not None:
+                binding.leave_open(self, zip(function.parameters, given, arguments, strict=False), caller)
             return self.language.unknown(function.returns, frame, function.name)
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
