@@ -48,9 +48,9 @@ _DEEPEST: Final = 60
 _OWN: Final = frozenset({"function_definition", "class_definition", "lambda"})
 _BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expression"})
 _CONTEXT: Final = "contextmanager"
+"""The end of the names of decorators that make a context manager of a generator."""
 _EXITS: Final = frozenset({"sys.exit", "os._exit", "exit", "quit"})
 """Functions that end the program."""
-"""The end of the names of decorators that make a context manager of a generator."""
 _METHODS: Final = frozenset(
     {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", "root_validator", _CONTEXT}
 )
