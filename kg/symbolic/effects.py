@@ -45,6 +45,7 @@ from kg.symbolic.values import (
     Value,
     alternatives,
     combinations,
+    is_empty_text,
     join,
     number,
 )
@@ -127,7 +128,6 @@ class Framework:
         """The calls that gave an options object the name of its interface."""
         self._untyped: dict[str, set[str]] = {}
         """Parameters whose type only conversions can give, each with the types that they gave."""
-        """The parameters of which an access did not show the type."""
         self._described: dict[object, list[ClassDescription]] = {}
         self._alike: dict[object, tuple[list[ClassDescription], frozenset[str]]] = {}
         """For each type the descriptions that apply to its objects, with their names."""
@@ -344,7 +344,8 @@ class Framework:
         if described.namespace is not None:
             cpp = self.descriptions.language == "cpp"
             own = given_namespace(arguments, described.namespace, options_in_place=cpp)
-            instance.native.update({"own namespace": own} if own is not None else {})
+            if own is not None:
+                instance.native["own namespace"] = own
         options = (one.native.get("automatic") for one in arguments if isinstance(one, Object))
         automatic = next((one for one in (given.named.get(_AUTOMATIC), *options) if one is not None), Truth(False))
         instance.native["automatic"] = automatic
@@ -586,7 +587,7 @@ class Framework:
             name = Unknown("only something unknown fills it")
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
-        if isinstance(whole, Text) and whole.exact == "" and whole.parameter is None:
+        if is_empty_text(whole):
             return None  # the framework refuses an empty name
         given = call.argument(effect.qos)
         usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
@@ -667,8 +668,7 @@ def _is_unset(effect: Effect, given: Arguments) -> bool:
     """Check whether the name of an interface is that of a text to which the code that was run assigns nothing."""
     if effect.role is None or effect.name is None or effect.name >= len(given.values):
         return False
-    name = given.values[effect.name]
-    return isinstance(name, Text) and name.exact == "" and name.parameter is None
+    return is_empty_text(given.values[effect.name])
 
 
 def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ...]) -> str | None:

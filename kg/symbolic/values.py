@@ -14,7 +14,7 @@ import sys
 from dataclasses import dataclass, field, replace
 from itertools import islice, product, repeat
 from operator import is_
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
 
 from kg.facts import Qos, Resolution
 from kg.holes import PARENT, SUBSTITUTIONS, Hole, label_of, written
@@ -475,9 +475,12 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
 
 def _or_unknown(value: Value) -> Value:
     """Return a value that can also be unknown: comparisons with a text that is empty at first decide nothing."""
-    if isinstance(value, Text) and value.parameter is None and value.exact == "":
-        return replace(value, unsure=True)
-    return value
+    return replace(value, unsure=True) if is_empty_text(value) else value
+
+
+def is_empty_text(value: Value) -> TypeGuard[Text]:
+    """Check whether a value is an empty text, not that of a parameter."""
+    return isinstance(value, Text) and value.exact == "" and value.parameter is None
 
 
 def _is_nothing(value: Value) -> bool:

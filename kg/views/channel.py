@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _KINDS: Final = ("topic", "service", "action")
+_SIDES: Final = 2
+"""How many roles a topic, service or action has."""
 
 
 def channel(
@@ -94,9 +96,10 @@ def channel(
     if systems is None:
         endpoints += rows.of_code(ends_in_code(snapshot, kind, chosen, settings.base), launched)
         sides, types = {one["role"] for one in endpoints}, {type_ for one in endpoints for type_ in one["types"]}
+        possible = possible_ends(snapshot, kind, chosen, types) if len(sides) < _SIDES else []
         endpoints += [
             {**one, "possible": True}
-            for one in rows.of_code(possible_ends(snapshot, kind, chosen, types), launched)
+            for one in rows.of_code(possible, launched)
             if one["role"] not in sides and (not types or types.issuperset(one["types"]))
         ]
     findings = _findings(snapshot, settings, chosen, systems)

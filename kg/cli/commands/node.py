@@ -208,9 +208,10 @@ def node(  # noqa: PLR0913 - the options of a command
     with reading(settings) as snapshot:
         records = one_node(snapshot, name)
         where = places(snapshot)
-        lines = [node_lines(record, where, every=every) if code else () for record in records]
-        starts = [_starts(users(snapshot, record.iri, where, Iris(settings.base)), record) for record in records]
-        inferred = [classes(snapshot, record.iri) for record in records]
+        shown = [] if json or graph or picture is not None else records
+        lines = [node_lines(record, where, every=every) if code else () for record in shown]
+        starts = [_starts(users(snapshot, record.iri, where, Iris(settings.base)), record) for record in shown]
+        inferred = [classes(snapshot, record.iri) for record in shown]
         drawn = _related(snapshot, settings, records[0], picture, every=every) if graph and not json else ""
     if json:
         json_lines(map(node_object, records))
@@ -220,7 +221,7 @@ def node(  # noqa: PLR0913 - the options of a command
         drawn = drawn or node_picture(records[0], implicit=every)
         deliver(drawn, "svg", picture or None, records[0].node.name.replace("/", "_"))
     else:
-        for number, (record, quoted) in enumerate(zip(records, lines, strict=True)):
+        for number, (record, quoted) in enumerate(zip(shown, lines, strict=True)):
             if number:
                 write()
             _show(record, inferred[number], starts[number], Links(where), every=every, via=via)

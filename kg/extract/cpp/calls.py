@@ -25,12 +25,12 @@ from kg.symbolic.values import (
     Number,
     Object,
     Sequence,
-    Text,
     Truth,
     TypeValue,
     Unknown,
     Value,
     alternatives,
+    is_empty_text,
     join,
     labelled,
     outside,
@@ -287,7 +287,7 @@ class Calls:
                 put(self._language.machine, written, outside(function, []), given.frame)
             elif isinstance(written, form.Name | form.Member) and _is_empty(value):
                 put(self._language.machine, written, replace(value, open=True), given.frame)
-            elif isinstance(written, form.Name | form.Member) and _is_empty_text(value):
+            elif isinstance(written, form.Name | form.Member) and is_empty_text(value):
                 put(self._language.machine, written, replace(value, unsure=True), given.frame)
 
     # Methods
@@ -415,10 +415,6 @@ def _name_of_member(written: Expression, frame: Frame) -> str | None:
     if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
         return None
     return written.names[0]
-
-
-def _is_empty_text(value: Value) -> TypeGuard[Text]:
-    return isinstance(value, Text) and value.exact == "" and value.parameter is None
 
 
 def _supported(kind: str, written: tuple[Expression, ...]) -> Value:

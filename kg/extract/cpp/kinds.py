@@ -150,8 +150,9 @@ class Kinds:
     def _meant(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
         """Return the type that an alias stands for; that of pointers to a class is not the class."""
         meant = self.kind(kind, frame, depth + 1)
-        points = kind.pointer and isinstance(meant, Kind) and meant.cls is not None
-        return Kind((POINTER,), (TypeValue(meant),)) if points and isinstance(meant, Kind) else meant
+        if kind.pointer and isinstance(meant, Kind) and meant.cls is not None:
+            return Kind((POINTER,), (TypeValue(meant),))
+        return meant
 
     def _own_alias(self, names: tuple[str, ...], frame: Frame) -> Alias | None:
         """Return the meaning of a name that a class around a frame gives it without parameters of its own."""
