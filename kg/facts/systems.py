@@ -69,7 +69,8 @@ class InstanceInterface:
     `declared` is the declaration in code, `owner` the node type that declares it: that of the instance, or a plugin
     that it loads. `resolved` is the absolute name after namespaces, parameters and remappings, with holes for unknown
     parts, None if all is unknown; `resolution` is how it was resolved. `remap` is the remapping that changed the name,
-    `parameter` the parameter that set it. `qos` is the effective one after overrides.
+    `parameter` the parameter that set it. `qos` is the effective one after overrides. `switches` are those of
+    `declared` that decide whether the instance has the end, and that depend on unknown values.
     """
 
     declared: Interface
@@ -80,6 +81,7 @@ class InstanceInterface:
     parameter: LaunchParameter | None = None
     qos: Qos | None = None
     reason: str | None = None
+    switches: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,6 +88,7 @@ def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
         "resolution": str(end.resolution),
         "qos": _qos(end.qos) if end.qos else None,
         "reason": end.reason,
+        "switches": list(end.switches),
         "owner": str(end.owner) if end.owner.node else None,
         "remap": {"from": remap.source, "to": remap.target, **_place(remap.location)} if remap else None,
         "set_by": {"name": setting.name, "value": _yaml(setting.value), **_place(setting.location)}
@@ -136,6 +137,7 @@ def interface_object(fact: facts.Interface) -> dict[str, Any]:
         "written": fact.written,
         "origin": fact.origin,
         "reason": fact.reason,
+        "switches": list(fact.switches),
         "never_publishes": fact.silent,
         "ignores_messages": fact.ignored,
         "publishes_upon": list(fact.upon),

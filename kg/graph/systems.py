@@ -266,6 +266,8 @@ class _Writing:
         if own or nameless or fact.resolution != usual_resolution(declared, fact.resolved, fact.parameter):
             writer.add(part, v.RESOLUTION, v.rnkg(fact.resolution))
         writer.text(part, v.REASON, fact.reason)
+        for switch in fact.switches:
+            writer.text(part, v.SWITCHED_BY, switch)
         self._causes(owner, part, fact)
         if is_known(fact.resolved):
             channel = self._channel(declared.role.channel, fact.resolved)

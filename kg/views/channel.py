@@ -26,6 +26,7 @@ from kg.similar import unknown
 from kg.views.evidence import Places, places
 from kg.views.system_rows import MISMATCHES, set_at
 from kg.views.systems import chosen_systems
+from kg.views.wording import quality
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -199,7 +200,7 @@ class _Endpoints:
                     row = {
                         **end_object(end),
                         **self._common(end.declared, end.owner),
-                        "quality": str(end.qos or ""),
+                        "quality": quality(end.switches, end.qos),
                         "instance": instance.name,
                         **self._type(instance, end.owner),
                         "condition": instance.started.condition,
@@ -229,7 +230,7 @@ class _Endpoints:
                 "remap": None,
                 "set_by": None,
                 **self._common(fact, owner),
-                "quality": str(fact.qos or ""),
+                "quality": quality(fact.switches, fact.qos),
                 "instance": None,
                 "package": owner.package,
                 "node": owner.node,

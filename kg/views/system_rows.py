@@ -10,6 +10,7 @@ from kg.graph.records import end_object
 from kg.render.system_graph import SystemGraph, channel_of, of_framework
 from kg.render.system_notations import nobody_at
 from kg.views.node_rows import TYPES
+from kg.views.wording import quality
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -121,7 +122,7 @@ class _Rows:
             "outward": role.outward,
             "written_as": declared.name or declared.written,
             "type_iri": self._iris.interface_type(TYPES[role.channel], declared.type) if declared.type else None,
-            "quality": str(end.qos or ""),
+            "quality": quality(end.switches, end.qos),
             "debug": of_framework(end),
             "channel": channel.key,
             "others": others,

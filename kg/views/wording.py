@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from kg.facts import Access, Interface, Parameter, PluginSlot, Resolution, Switch
+from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution, Switch
 
 LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 _SIGNS: Final = {"==": "is"}
@@ -28,6 +28,11 @@ def how(fact: Interface) -> str:
     words.append("never published" if fact.silent else "ignored" if fact.ignored else "")
     words.append(f"without {' and '.join(fact.unset)}" if fact.unset else "")
     return ", ".join(word for word in words if word)
+
+
+def quality(switches: Iterable[str], qos: Qos | None) -> str:
+    """Return the condition under which an end exists, and its quality of service."""
+    return ", ".join(filter(None, (condition(switches), str(qos or ""))))
 
 
 def condition(switches: Iterable[str]) -> str:

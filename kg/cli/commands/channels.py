@@ -126,7 +126,7 @@ def _fit(channel: "Mapping[str, Any]") -> str:
     if len(sides) == 1:
         (role,) = sides
         return NOBODY[channel["kind"], role in {"publishes", "clients", "action_clients"}]
-    fit = "types and QoS fit" if any(one["quality"] for one in sides.values()) else "types fit"
+    fit = "types and QoS fit" if any(one["qos"] for one in sides.values()) else "types fit"
     return fit if sides else "only code has it"
 
 

@@ -47,7 +47,7 @@ with lazily():
     from kg.views.evidence import Places, places
     from kg.views.node import users
     from kg.views.node_graph import node_relations
-    from kg.views.wording import accesses, how, how_loaded, parameter_groups, quoted
+    from kg.views.wording import accesses, how, how_loaded, parameter_groups, quality, quoted
 
 
 _GAP: Final = 3
@@ -348,7 +348,7 @@ def _end(end: "InstanceInterface", repository: str) -> "Row":
         f"remapped at {end.remap.location}" if end.remap else "",
         f"named by the parameter {end.parameter.name} at {end.parameter.location}" if end.parameter else "",
         end.reason or "",
-        str(end.qos or ""),
+        quality(end.switches, end.qos),
     ]
     if location.repository is None and end.owner.repository != repository:
         location = replace(location, repository=end.owner.repository)

@@ -437,6 +437,7 @@ class _Reading:
             parameter=setting,
             qos=self._records.qualities.get(one(own, v.HAS_QOS) or "") if v.bare(v.TYPE) in own else declared.qos,
             reason=one(own, v.REASON),
+            switches=tuple(sorted(own.get(v.bare(v.SWITCHED_BY), ()))),
         )
 
     def _code(self, own: Properties) -> tuple[facts.NodeReference, facts.Interface] | None:

@@ -16,7 +16,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Interface, LaunchParameter, NodeType, Switch
+from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeType, Switch
 from kg.holes import (
     Hole,
     anonymous,
@@ -80,7 +80,7 @@ def members(
         member = _hole_value(own_text, name)
         listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
         named = ((one, substitute(one.parameter, member.get)) for one in switches)
-        if listed and all(_may_be(one, node, settings, parameters, place) for one, parameters in named):
+        if listed and not any(_is_on(one, node, settings, name, place) is False for one, name in named):
             names.append((given, given))
     return names
 
@@ -231,29 +231,51 @@ def _natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdigit() else (0, part) for part in re.split(r"(\d+)", name)]
 
 
-def switched_on(node: NodeType, settings: Settings, place: Place, plugin: Loaded | None = None) -> NodeType:
+def switched_on(
+    node: NodeType, settings: Settings, place: Place, plugin: Loaded | None = None
+) -> tuple[NodeType, Mapping[Interface, tuple[str, ...]]]:
     """Return a node type without the interfaces that parameters, as they are set or by default, keep from being made.
 
-    `place` is that of the node; `plugin` is the plugin whose type it is, if any. Unknown values turn nothing off.
+    `place` is that of the node; `plugin` is the plugin whose type it is, if any. Of the interfaces that are left, the
+    second result has those that might not be made either, with the switches whose parameters are unknown.
     """
     if not any(one.switches for one in node.interfaces):
-        return node
+        return node, {}
+    left: list[Interface] = []
+    doubtful: dict[Interface, tuple[str, ...]] = {}
+    for one in node.interfaces:
+        undecided: list[str] = []
+        for written in one.switches:
+            switch = Switch.parse(written)
+            name, at = (switch.parameter, place) if plugin is None else plugin.read_as(switch.parameter, place)
+            on = _is_on(switch, node, settings, name, at)
+            if on is False:
+                break
+            if on is None and not is_partial(name):
+                undecided.append(written)
+        else:
+            left.append(one)
+            if undecided:
+                doubtful[one] = tuple(sorted(undecided))
+    return replace(node, interfaces=tuple(left)), doubtful
 
-    def is_created(one: Interface) -> bool:
-        switches = map(Switch.parse, one.switches)
-        return all(_may_be(switch, node, settings, *read_as(switch.parameter)) for switch in switches)
 
-    def read_as(parameter: str) -> tuple[str, Place]:
-        return (parameter, place) if plugin is None else plugin.read_as(parameter, place)
+def marked(
+    ends: Iterable[InstanceInterface], doubtful: Mapping[Interface, tuple[str, ...]]
+) -> Iterable[InstanceInterface]:
+    """Return ends with the switches that are undecided for their interfaces."""
+    if not doubtful:
+        return ends
+    return (replace(end, switches=doubtful.get(end.declared, ())) for end in ends)
 
-    return replace(node, interfaces=tuple(filter(is_created, node.interfaces)))
 
-
-def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool:
-    """Check whether a switch is on, or its parameter, read as `name`, unknown."""
+def _is_on(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool | None:
+    """Return whether a switch is on; None if its parameter, read as `name`, is unknown."""
     if is_partial(name) and any(settings.fitting(pattern(settings.absolute(name, place)), place)):
-        return True
+        return None
     setting = settings.get(name, place)
+    if setting is None and settings.is_partly_unknown and not name.startswith(COMMAND_LINE):
+        return None
     if switch.sign == "is":  # set
         return setting is not None
     if setting is not None:
@@ -264,7 +286,7 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place
         named = (one for one in node.parameters if one.name == switch.parameter and one.default is not None)
         defaults = {_holds(switch, one.default) for one in named}
         fulfilled = defaults.pop() if len(defaults) == 1 else None
-    return fulfilled is switch.wanted or fulfilled is None
+    return None if fulfilled is None else fulfilled is switch.wanted
 
 
 def _holds(switch: Switch, value: str | None) -> bool | None:

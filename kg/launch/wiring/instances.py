@@ -30,7 +30,7 @@ from kg.facts import (
     StartKind,
 )
 from kg.holes import ANONYMOUS, is_known, is_partial
-from kg.launch.wiring.families import switched_on
+from kg.launch.wiring.families import marked, switched_on
 from kg.launch.wiring.inner_nodes import (
     Inner,
     Spelling,
@@ -305,12 +305,13 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
     interfaces: list[InstanceInterface] = []
     if draft.typed is not None:
         owner, node = draft.typed
-        interfaces += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
+        node, doubtful = switched_on(node, ends.settings, draft.place)
+        interfaces += marked(ends.of_node(owner, node), doubtful)
     for plugin in _added(draft.plugins):
         if plugin.typed is not None:
             owner, node = plugin.typed
-            node = switched_on(node, ends.settings, draft.place, plugin)
-            interfaces += ends.of_plugin(replace(plugin, typed=(owner, node)))
+            node, doubtful = switched_on(node, ends.settings, draft.place, plugin)
+            interfaces += marked(ends.of_plugin(replace(plugin, typed=(owner, node))), doubtful)
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:
         for end in ends.of_tree_node(tree_node):

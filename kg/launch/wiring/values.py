@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import yaml
 
 from kg.facts import LaunchParameter, StartedNode
+from kg.holes import ANONYMOUS
 from kg.names import normalise
 from kg.yamltext import load_yaml
 
@@ -103,6 +104,11 @@ class Settings:
             if ":=" not in word:
                 self.words.append(word)
         self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in started.parameters}
+
+    @property
+    def is_partly_unknown(self) -> bool:
+        """Whether there may be settings of unknown names: those of a parameter file that was not read (ROS 2)."""
+        return ANONYMOUS in self.own
 
     @property
     def arguments(self) -> int:

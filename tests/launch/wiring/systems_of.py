@@ -167,7 +167,7 @@ def seen(system: System) -> dict[str, Any]:
                 "like": list(instance.similar),
                 "plugins": [str(plugin).partition(":")[2] for plugin in instance.plugins],
                 "ends": [
-                    f"{end.declared.role.value} {end.resolved or '?'} {end.resolution.value}"
+                    " ".join((end.declared.role.value, end.resolved or "?", end.resolution.value, *end.switches))
                     for end in instance.interfaces
                 ],
                 "remapped": [end.resolved for end in instance.interfaces if end.remap is not None],
