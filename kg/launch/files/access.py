@@ -30,6 +30,9 @@ with lazily():
 SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
 
+UNREAD: Final = "its parameter file is unknown"
+"""Why parameters are unknown that a node is given: their names are, too."""
+
 _LOOSE: Final = "source://"
 _TEMPLATES: Final = (".in", ".em", ".xacro")
 """What the names of files end in from which CMake, EmPy or xacro makes files when a package is built."""

@@ -274,7 +274,7 @@ def _is_on(switch: Switch, node: NodeType, settings: Settings, name: str, place:
     if is_partial(name) and any(settings.fitting(pattern(settings.absolute(name, place)), place)):
         return None
     setting = settings.get(name, place)
-    if setting is None and settings.is_partly_unknown and not name.startswith(COMMAND_LINE):
+    if setting is None and settings.has_unread(place) and not name.startswith(COMMAND_LINE):
         return None
     if switch.sign == "is":  # set
         return setting is not None

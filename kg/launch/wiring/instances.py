@@ -358,7 +358,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
         return False
     if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
-    if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
+    if any(name.endswith(f"/{ANONYMOUS}") or _names_plugins(name, given) for name, given in draft.set_here):
         return False
     return all(is_known(end.resolved) and end.resolution is not Resolution.PARTIAL for end in interfaces)
 

@@ -105,10 +105,9 @@ class Settings:
                 self.words.append(word)
         self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in started.parameters}
 
-    @property
-    def is_partly_unknown(self) -> bool:
-        """Whether there may be settings of unknown names: those of a parameter file that was not read (ROS 2)."""
-        return ANONYMOUS in self.own
+    def has_unread(self, place: Place) -> bool:
+        """Return whether the instance at a place has settings of unknown names, such as those of a file not read."""
+        return ANONYMOUS in self.own if self._server is None else f"{place.full}/{ANONYMOUS}" in self._server.all
 
     @property
     def arguments(self) -> int:

@@ -178,7 +178,7 @@ def _inside(state: State, scope: Scope, element: Element, name: str, words: str 
         elif tag == "param":
             read_param(state, parameters, child, of_node=True)
         elif tag == "rosparam":
-            read_rosparam(state, parameters, child)
+            read_rosparam(state, parameters, child, of_node=True)
         elif tag == "env":
             read_environment(state, scope, inner, child)
     for one in () if state.has_all_parameters else (*scope.private, *parameters.private):

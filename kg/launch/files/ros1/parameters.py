@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.evaluation import HOLE
 from kg.facts import LaunchPlugin, LaunchProblemKind
-from kg.launch.files.access import SCHEME
+from kg.launch.files.access import SCHEME, UNREAD
 from kg.launch.files.ros1.parameterfile import MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
 from kg.launch.files.ros1.state import Private, Scope, State
 from kg.launch.files.xacro.plugins import named_description, started
@@ -58,8 +58,11 @@ def read_param(state: State, scope: Scope, element: Element, *, of_node: bool = 
         state.add_leaf(join(scope.namespace, name), leaf, location, scope.place.chain, reason)
 
 
-def read_rosparam(state: State, scope: Scope, element: Element) -> None:
-    """Set the parameters of a `<rosparam>`; `dump` and `delete` change none of those that are set here."""
+def read_rosparam(state: State, scope: Scope, element: Element, *, of_node: bool = False) -> None:
+    """Set the parameters of a `<rosparam>`; `dump` and `delete` change none of those that are set here.
+
+    One of a node whose file cannot be read sets a parameter of unknown name.
+    """
     counts, words = state.condition(scope, element)
     if not counts:
         return
@@ -71,19 +74,23 @@ def read_rosparam(state: State, scope: Scope, element: Element) -> None:
     elif command == "delete" and file is not None:
         state.refused(scope, element, "'delete' takes no 'file'")
     elif command == "load":
-        _load(state, scope, element, name, file, _only_if((*scope.conditions, words)))
+        is_read = _load(state, scope, element, name, file, _only_if((*scope.conditions, words)))
+        if of_node and not is_read:
+            unread, full = Leaf((HOLE,), element.line, None, None, UNREAD), join(scope.namespace, name)
+            state.add_leaf(full, unread, state.location(scope, element.line), scope.place.chain)
 
 
 def _load(  # noqa: PLR0913, PLR0917 - what a `<rosparam>` says
     state: State, scope: Scope, element: Element, name: str, written: str | None, reason: str | None
-) -> None:
+) -> bool:
+    """Set the parameters of a file or of the text of an element; return whether they are known."""
     source: FilePath | None = None
     text = element.text
     if written is not None:
         source, _ = state.locate(scope, element.line, written)
         data = state.open(scope, element.line, source) if source else None
         if data is None:
-            return
+            return False
         text = data.decode()
     if state.boolean(scope, element, "subst_value") and "$" in text:
         text = state.resolved(scope, element.line, text, MOST_TEXT)
@@ -98,10 +105,11 @@ def _load(  # noqa: PLR0913, PLR0917 - what a `<rosparam>` says
         state.problem(scope, at(line), kind, message)
     if not name and not tree.is_mapping:
         state.refused(scope, element, "it needs 'param', as what it loads is not a mapping")
-        return
+        return True
     full = join(scope.namespace, name) if name else scope.namespace
     for leaf in tree.leaves:
         state.add_leaf(full, leaf, at(leaf.line), scope.place.chain, reason)
+    return True
 
 
 def _only_if(conditions: tuple[str | None, ...]) -> str | None:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import yaml
 
 from kg.facts import LaunchParameter, LaunchProblemKind, Location, StartedNode
+from kg.launch.files.access import UNREAD
 from kg.launch.files.ros2.actions import ParameterFile, ParameterSource, ParameterValue
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, place, read
 from kg.launch.files.ros2.template import TemplateError, parse_template
@@ -189,7 +190,6 @@ def _path(entry: Entry) -> str:
 
 _ALL: Final = "/**"
 _AT_RUN_TIME: Final = "it depends on values known only at run time"
-_UNREAD: Final = "its parameter file is unknown"
 _Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
 """The name of node that a parameter is written for, the parameter of that node alone, and the same with the name."""
 
@@ -314,7 +314,7 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, owner: Owner,
     path = source.path if isinstance(source, GlobalFile) else context.perform(source.read)
     found = read_parameters(context, path, substitutions=substitutions)
     if found is None:
-        yield _given(flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=_UNREAD))
+        yield _given(flat or _ALL, LaunchParameter(HOLE, None, source.location, context.chain, reason=UNREAD))
         return
     file, listed = found
     doubt = source.reason if isinstance(source, GlobalFile) else None
