@@ -174,11 +174,13 @@ class _Build:
         results = dict(plan.reused)
         changed, gone = self._changed(sources, plan), self._removed_sources(sources, roots)
         written: dict[str, Written] = {}
-        if changed or gone:
-            written = self._write(workspace, plan, calls, changed, gone, results)
-        if self._rules is None or self._state.version != now or self._transaction.base is None:
-            self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
-        systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
+        # The store is loaded after the workers have started, which must not inherit an open engine.
+        with self._pool(workspace, plan, calls) if changed or gone else nullcontext() as pool:
+            if changed or gone:
+                written = self._write(workspace, plan, pool, changed, gone, results)
+            if self._rules is None or self._state.version != now or self._transaction.base is None:
+                self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
+            systems, wired = self._wire(sources, results, gone, now, pool, changed=bool(changed or gone))
         self._transaction.release()
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
@@ -202,12 +204,13 @@ class _Build:
         """Sources whose files only workers have, by folder."""
         return self._corpus.sources if self._corpus is not None else {}
 
-    def _wire(
+    def _wire(  # noqa: PLR0913 - called in one place
         self,
         sources: Sequence[Source],
         results: dict[Key, PackageState],
         gone: tuple[str, ...],
         now: str,
+        pool: Pool | ClusterPool | None,
         *,
         changed: bool,
     ) -> tuple[Systems, SystemsReport]:
@@ -222,8 +225,16 @@ class _Build:
         touched = self._touched
         if not changed and touched is not None and not any(graph.startswith(beginning) for graph in touched):
             return self._state.systems, totals(self._state.systems)
-        iris = Iris(self._settings.base)
-        return update_systems(self._transaction, self._cache, iris, packages, self._state.systems, now, touched=touched)
+        return update_systems(
+            self._transaction,
+            self._cache,
+            Iris(self._settings.base),
+            packages,
+            self._state.systems,
+            now,
+            touched=touched,
+            pool=pool if pool is not None and isinstance(pool, Pool) else None,
+        )
 
     def _infer(self, *, changed: bool) -> Inferred | None:
         """Run the rules if the sources or the rules have changed since the last run."""
@@ -291,40 +302,38 @@ class _Build:
         self,
         workspace: RecordingWorkspace,
         plan: Plan,
-        calls: tuple[str, ...],
+        pool: Pool | ClusterPool | None,
         changed: list[Source],
         gone: tuple[str, ...],
         results: dict[Key, PackageState],
     ) -> dict[str, Written]:
         """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
-        with self._pool(workspace, plan, calls) as pool:
-            self._jobs = pool.size if pool else self._jobs
-            # The store is loaded after the workers have started, which must not inherit an open engine.
-            trusted = self._trusted(workspace.sources, plan)
-            if self._rules is not None:
-                self._inference.watch(self._transaction)
-            shared = Iris(self._settings.base).graph(SHARED)
-            writing = Writing(
-                self._transaction,
-                self._cache,
-                self._state,
-                plan,
-                self._settings.base,
-                trusted,
-                shared_intact=self._touched is not None and shared not in self._touched,
-            )
-            writing.begin(changed)
-            writing.drop(gone)
-            entries = entries_by_name(workspace.sources)
-            places = {(source.repository.name, package.path): (source, package) for source, package in plan.read}
-            for outcome in pool.outcomes() if pool else ():
-                source, package = places[outcome.result.source, outcome.result.path]
-                self._report.done(outcome.result)
-                name = source.repository.name
-                mark = stamp(workspace, name, package, outcome.inputs, entries)
-                state = self._cache_result(package, outcome, mark)
-                results[name, package.path] = state
-                writing.add(source, state)
+        self._jobs = pool.size if pool else self._jobs
+        trusted = self._trusted(workspace.sources, plan)
+        if self._rules is not None:
+            self._inference.watch(self._transaction)
+        shared = Iris(self._settings.base).graph(SHARED)
+        writing = Writing(
+            self._transaction,
+            self._cache,
+            self._state,
+            plan,
+            self._settings.base,
+            trusted,
+            shared_intact=self._touched is not None and shared not in self._touched,
+        )
+        writing.begin(changed)
+        writing.drop(gone)
+        entries = entries_by_name(workspace.sources)
+        places = {(source.repository.name, package.path): (source, package) for source, package in plan.read}
+        for outcome in pool.outcomes() if pool else ():
+            source, package = places[outcome.result.source, outcome.result.path]
+            self._report.done(outcome.result)
+            name = source.repository.name
+            mark = stamp(workspace, name, package, outcome.inputs, entries)
+            state = self._cache_result(package, outcome, mark)
+            results[name, package.path] = state
+            writing.add(source, state)
         self._report.writing(writing.triples)
         written = writing.finish(changed, results, self._started)
         self._transaction.release()

@@ -4,7 +4,7 @@ Workers are forked if the system supports it, so they share the indexes of the w
 receives its next package before it has finished the current one, so it never waits while the store is written. A single
 one alternates with the writing, so a build with one job occupies one processor. A worker exits when its pipe closes, so
 none outlives the build. One that has grown makes way for a spare one, which was forked with the first ones: later, the
-parent has an open store and its threads.
+parent has an open store and its threads. When all packages are read, the workers can do other parts of the build.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from collections import deque
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 from kg.pipeline.work import Job, Outcome, failed, work
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
     from multiprocessing.process import BaseProcess
     from types import TracebackType
     from typing import Self
@@ -67,6 +67,19 @@ class Task(NamedTuple):
     name: str
     path: str
     earlier: str = ""
+
+
+class Part(Protocol):
+    """A part of other work; `shared` is what all parts are done with."""
+
+    def run(self, shared: Any) -> Any:
+        """Return the result."""
+
+
+class _Shared(NamedTuple):
+    """What the parts that a worker gets from now on are done with."""
+
+    value: Any
 
 
 @dataclass(slots=True)
@@ -131,6 +144,37 @@ class Pool:
         while self._queue or any(worker.given for worker in self._workers):
             self._hand_out()
             yield from self._collect()
+
+    def answers(self, shared: object, parts: Sequence[Part]) -> Iterator[tuple[int, Any]]:
+        """Yield the index and the result of each part, when all outcomes are read; None if its worker dies."""
+        for worker in list(self._workers):  # those that have read packages have grown
+            if worker.heir is None and self._spares:
+                worker.heir = self._spares.popleft()
+            if worker.heir is not None:
+                self._remove(worker)
+        waiting = deque(enumerate(parts))
+        running: dict[Connection, int] = {}
+        for worker in self._workers[: len(parts)]:
+            with contextlib.suppress(OSError):
+                worker.pipe.send(_Shared(shared))
+                self._next(worker.pipe, waiting, running)
+        while running:
+            ready = wait(list(running))
+            for pipe in [one for one in running if one in ready]:
+                at, answer = running.pop(pipe), None
+                with contextlib.suppress(EOFError, OSError):
+                    answer = pipe.recv()
+                    self._next(pipe, waiting, running)
+                yield at, answer
+        yield from ((at, None) for at, _ in waiting)
+
+    @staticmethod
+    def _next(pipe: Connection, waiting: deque[tuple[int, Part]], running: dict[Connection, int]) -> None:
+        """Give a worker the next part, if there is one."""
+        if waiting:
+            at, part = waiting.popleft()
+            running[pipe] = at
+            pipe.send(part)
 
     def _hand_out(self) -> None:
         """Give tasks to workers with free capacity; start workers while tasks remain."""
@@ -233,7 +277,7 @@ def end_of(code: int) -> str:
 
 
 def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool) -> None:
-    """Read packages until the pipe closes; the parent process handles Ctrl-C."""
+    """Read packages, then do other parts, until the pipe closes; the parent process handles Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     # An inherited copy of another pipe would hide the end of the build from this worker, and an inherited lock would
@@ -245,9 +289,16 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
         os.closerange(pipe.fileno() + 1, min(os.sysconf("SC_OPEN_MAX"), _MOST_FILES))
     gc.set_threshold(_GC_THRESHOLD)
     memory, measured = 0, 0
+    shared: Any = None
     with contextlib.suppress(EOFError, OSError):
         while True:
-            task: Task = pipe.recv()
+            task: Task | _Shared | Part = pipe.recv()
+            if isinstance(task, _Shared):
+                shared = task.value
+                continue
+            if not isinstance(task, Task):
+                pipe.send(task.run(shared))
+                continue
             outcome = attempt(job, task)
             if (faults := resource.getrusage(resource.RUSAGE_SELF).ru_minflt) - measured >= _FAULTS:
                 memory, measured = own_memory(), faults

@@ -8,34 +8,30 @@ again if a result changes, or if its launch file starts something else. Its grap
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
-import msgspec
 from pyoxigraph import NamedNode
 
-from kg.errors import guarded
-from kg.facts import LaunchConfiguration, LaunchProblem, LaunchProblemKind, Location, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.reading.nodes import NodeRecord, Queryable, data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
-from kg.graph.systems import system_triples
-from kg.launch.wiring.systems import wire
 from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
 from kg.pipeline.report import SystemsReport, totals
 from kg.pipeline.sharing import Described, keep_starts
 from kg.pipeline.state import PackageState, PackageSystems, Question, Systems, WiredSystem
-from kg.pipeline.visible import digest
+from kg.pipeline.wiring import Wired, mark_of, wired, wired_by
 from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
 
+    from kg.facts import LaunchConfiguration, NodeReference
     from kg.graph.iris import Iris
     from kg.pipeline.plan import Key
+    from kg.pipeline.pool import Pool
     from kg.store.transaction import EmbeddedTransaction
 
 _SMALL: Final = 2
@@ -54,18 +50,30 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     version: str,
     *,
     touched: frozenset[str] | None = frozenset(),
+    pool: Pool | None = None,
 ) -> tuple[Systems, SystemsReport]:
     """Write the systems of all `packages` of the store, and remove those of packages that no longer exist.
 
     `folder` is the cache, `last` the state of the last build, `version` identifies the current code. `touched` contains
-    the graphs that others have written since then, None if unknown. Returns the state for the next build.
+    the graphs that others have written since then, None if unknown. The workers of `pool` wire packages that have not
+    been wired before. Returns the state for the next build.
     """
     present = {graph.value for graph in transaction.graphs()}
     intact = set[str]() if touched is None or iris.graph(STARTS) in touched else present - touched
-    work = _Work(_catalogue(transaction, folder, iris, packages, present), iris, last, version, intact)
+    strangers = _strangers(iris, packages, present)
+    catalogue = _with_strangers(transaction, folder, packages) if strangers else Catalogue(folder, packages)
+    work = _Work(catalogue, iris, last, version, intact)
     writing = _Writing(transaction, iris, present, intact)
-    for key in sorted(packages):
-        if packages[key].counts.get("launches"):
+    launching = {key: number for key in sorted(packages) if (number := packages[key].counts.get("launches", 0))}
+    fresh = {key: number for key, number in launching.items() if work.is_fresh(key)}
+    if pool is not None and pool.size > 1 and not strangers:
+        for key, found, marks in wired_by(pool, fresh, folder, iris, packages):
+            catalogue.learn(marks)
+            work.adopt(key, packages[key].result, found)
+            writing.take(work.contents)
+            work.contents = {}
+    for key in launching:
+        if not work.has(key):
             work.package(folder, key, packages[key].result)
             writing.take(work.contents)
             work.contents = {}
@@ -78,17 +86,14 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     return systems, replace(totals(systems), changed=writing.changed, failed=tuple(work.failed))
 
 
-def _catalogue(
-    transaction: EmbeddedTransaction,
-    folder: Path,
-    iris: Iris,
-    packages: Mapping[Key, PackageState],
-    present: set[str],
-) -> Catalogue:
+def _strangers(iris: Iris, packages: Mapping[Key, PackageState], present: set[str]) -> bool:
+    """Return whether the store has sources without cached results."""
+    own = (iris.source_graph(source) for source, _ in packages)
+    return any(graph.startswith(iris.source_graph("")) for graph in present.difference(own))
+
+
+def _with_strangers(transaction: EmbeddedTransaction, folder: Path, packages: Mapping[Key, PackageState]) -> Catalogue:
     """Return the node types of the store; those of sources without cached results are read from their graphs."""
-    strangers = (iris.source_graph(source) for source, _ in packages)
-    if not any(graph.startswith(iris.source_graph("")) for graph in present.difference(strangers)):
-        return Catalogue(folder, packages)
     own = {source for source, _ in packages}
     others = [record for record in node_records(transaction) if record.repository not in own]
     data = [file for file in data_files(transaction) if file.repository not in own]
@@ -193,7 +198,8 @@ class _Work:
         self._version = version
         self._intact = intact
         self._questions = [question for question, _ in last.answers]
-        self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
+        answers = enumerate(last.answers if last.version == version else ())
+        self._changed = {at for at, (question, mark) in answers if catalogue.mark(question) != mark}
         self._current: dict[Key, dict[str, WiredSystem]] = {}
         self._lookups: dict[Question, int] = {}
         """Look-ups of the systems in `_found`, each with its index there."""
@@ -209,10 +215,26 @@ class _Work:
             rewired = {path: one for path, one in systems.items() if path in configurations}
             systems = {
                 path: rewired[path]
-                if path in rewired and rewired[path].configuration == _mark(configuration)
-                else self._wired(key, configuration, earlier)
+                if path in rewired and rewired[path].configuration == mark_of(configuration)
+                else self._kept(key, wired(configuration, self._catalogue, self._iris), earlier)
                 for path, configuration in configurations.items()
             }
+        self._set(key, result, systems)
+
+    def is_fresh(self, key: Key) -> bool:
+        """Return whether no system of a package can be that of the last build."""
+        return self._last.version != self._version or key[1] not in self._last.packages.get(key[0], {})
+
+    def has(self, key: Key) -> bool:
+        """Return whether the systems of a package are known."""
+        return key in self._current
+
+    def adopt(self, key: Key, result: str, systems: Iterable[Wired]) -> None:
+        """Take the systems of a package as others have wired them."""
+        earlier = self._last.packages.get(key[0], {}).get(key[1])
+        self._set(key, result, {one.path: self._kept(key, one, earlier) for one in systems})
+
+    def _set(self, key: Key, result: str, systems: dict[str, WiredSystem]) -> None:
         self._current[key], self._results[key] = systems, result
         self.graphs.update(self._iris.launch_graph(key[0], path) for path in systems)
 
@@ -224,30 +246,15 @@ class _Work:
         """Return a system with the indices of the look-ups of its wiring."""
         return replace(system, asked=tuple(self._lookups.setdefault(one, len(self._lookups)) for one in questions))
 
-    def _wired(self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None) -> WiredSystem:
-        self._catalogue.questions.clear()
-        system = self._wire(configuration)
-        content = system_triples(system, self._catalogue.records(system), self._iris)
-        mark, graph = digest(content), self._iris.launch_graph(key[0], configuration.path)
-        before = earlier.graphs.get(configuration.path) if earlier else None
-        if graph not in self._intact or before is None or before.graph != mark:
-            self.contents[graph] = content
-        system_state = WiredSystem(_mark(configuration), mark, len(system.instances), ())
-        return self._numbered(system_state, self._catalogue.questions)
-
-    def _wire(self, configuration: LaunchConfiguration) -> System:
-        """Wire a configuration.
-
-        One that triggers a defect of `kg` gets a problem and no instances; the others are wired.
-        """
-
-        def failed(words: str) -> System:
-            message = f"its nodes could not be wired: {words}"
-            self.failed.append(f"{configuration.repository} {configuration.path}: {message}")
-            problem = LaunchProblem(LaunchProblemKind.UNRESOLVED, message, Location(configuration.path, 1))
-            return System(replace(configuration, problems=(*configuration.problems, problem)))
-
-        return guarded(partial(wire, configuration, self._catalogue), failed)
+    def _kept(self, key: Key, system: Wired, earlier: PackageSystems | None) -> WiredSystem:
+        """Return the state of a system; its graph is to be written if it differs from that of the last build."""
+        graph = self._iris.launch_graph(key[0], system.path)
+        before = earlier.graphs.get(system.path) if earlier else None
+        if graph not in self._intact or before is None or before.graph != system.graph:
+            self.contents[graph] = system.content
+        if system.failed:
+            self.failed.append(system.failed)
+        return self._numbered(WiredSystem(system.configuration, system.graph, system.instances, ()), system.asked)
 
     def systems(self) -> Systems:
         """Return the state for the next build."""
@@ -261,7 +268,3 @@ class _Work:
             packages.setdefault(key[0], {})[key[1]] = PackageSystems(self._results[key], graphs)
         answers = tuple((questions[number], self._catalogue.mark(questions[number])) for number in places)
         return Systems(self._version, answers, packages)
-
-
-def _mark(configuration: LaunchConfiguration) -> str:
-    return digest(msgspec.msgpack.encode(configuration))

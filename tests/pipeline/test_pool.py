@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from dataclasses import dataclass
 
 import pytest
 from patience import patient
@@ -100,3 +101,38 @@ def test_the_end_of_the_with_statement_ends_the_workers(monkeypatch: pytest.Monk
 def _children() -> set[int]:
     with open(f"/proc/self/task/{os.getpid()}/children") as file:  # noqa: PTH123 - no file in the sense of a path
         return {int(number) for number in file.read().split()}
+
+
+@dataclass(frozen=True)
+class _Doubled:
+    """A part of other work: twice its number, or the end of the worker."""
+
+    number: int
+
+    def run(self, shared: int) -> int:
+        """Return the product with what all parts share."""
+        if self.number == _DEADLY:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return self.number * shared
+
+
+_DEADLY = 4
+
+
+@pytest.mark.parametrize("spares", [1, 100])
+def test_workers_do_other_parts_when_all_packages_are_read(monkeypatch: pytest.MonkeyPatch, spares: int) -> None:
+    """Each part has its result, and none if its worker died."""
+    monkeypatch.setattr(pool, "work", _identified)
+    monkeypatch.setattr(pool, "_PACKAGES", spares)
+    with Pool(Job(RecordingWorkspace([]), "https://example.org/", 1), TASKS, 3) as workers:
+        assert len(list(workers.outcomes())) == len(TASKS)
+        found = dict(workers.answers(2, [_Doubled(number) for number in range(9)]))
+    assert found == {number: None if number == _DEADLY else 2 * number for number in range(9)}
+
+
+def test_parts_without_workers_have_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where all workers die, all parts are answered all the same."""
+    monkeypatch.setattr(pool, "work", _identified)
+    with Pool(Job(RecordingWorkspace([]), "https://example.org/", 1), TASKS, 1) as workers:
+        assert len(list(workers.outcomes())) == len(TASKS)
+        assert dict(workers.answers(2, [_Doubled(_DEADLY), _Doubled(1)])) == {0: None, 1: None}

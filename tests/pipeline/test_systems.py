@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +12,7 @@ import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.launch.wiring.systems import wire
-from kg.pipeline import systems
+from kg.pipeline import systems, wiring
 from kg.pipeline.build import build
 from kg.pipeline.forgetting import forget
 from kg.settings import load
@@ -21,8 +23,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.facts import LaunchConfiguration, System
+    from kg.graph.iris import Iris
     from kg.launch.wiring.types import NodeTypes
+    from kg.pipeline.catalogue import Catalogue
     from kg.pipeline.report import BuildReport
+    from kg.pipeline.wiring import Wired
     from kg.settings import Settings
 
 MANIFEST = """<package format="2"><name>{name}</name><version>1.0.0</version><description>A test.</description>
@@ -48,9 +53,9 @@ LAUNCH = """<launch>
 INNER = '<launch><node pkg="nodes" type="talker" name="{name}"><remap from="{heard}" to="scan"/></node></launch>\n'
 
 
-def settings() -> Settings:
-    """Return settings of one process."""
-    return load({"jobs": 1}, environment={})
+def settings(jobs: int = 1) -> Settings:
+    """Return settings of one process, or of several."""
+    return load({"jobs": jobs}, environment={})
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,9 +93,9 @@ class Site:
         """Return the existing sources."""
         return [str(self.folder / name) for name in ("one", "two") if (self.folder / name).is_dir()]
 
-    def build(self, store: EmbeddedStore | None = None, *, rules: bool = False) -> BuildReport:
+    def build(self, store: EmbeddedStore | None = None, *, rules: bool = False, jobs: int = 1) -> BuildReport:
         """Build all sources into the store or another one."""
-        return build(self.sources(), store or self.store, settings(), rules=rules)
+        return build(self.sources(), store or self.store, settings(jobs), rules=rules)
 
     def content(self, store: EmbeddedStore | None = None) -> dict[str, list[str]]:
         """Return the triples of the graphs of launch files, and the inferred ones."""
@@ -102,10 +107,10 @@ class Site:
             }
 
     def anew(self) -> dict[str, list[str]]:
-        """Return the result of a clean build."""
+        """Return the result of a clean build by two processes."""
         shutil.rmtree(self.folder / "fresh", ignore_errors=True)
         store = EmbeddedStore.create(self.folder / "fresh")
-        self.build(store, rules=True)
+        self.build(store, rules=True, jobs=2)
         return self.content(store)
 
     def launches(self) -> str:
@@ -232,7 +237,7 @@ def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
 def test_other_code_wires_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     """With another version of kg all systems are wired again, even if packages have the same results."""
     monkeypatch.setattr("kg.pipeline.build.version", lambda *_: "another")
-    monkeypatch.setattr("kg.pipeline.systems.system_triples", lambda *_: b"<urn:a> <urn:b> <urn:c> .\n")
+    monkeypatch.setattr("kg.pipeline.wiring.system_triples", lambda *_: b"<urn:a> <urn:b> <urn:c> .\n")
     site.build()
     launches = {graph: lines for graph, lines in site.content().items() if "/graph/launch/" in graph}
     assert launches
@@ -249,7 +254,7 @@ def test_a_launch_file_that_kg_trips_over_costs_the_others_nothing(
             raise KeyError("x")
         return wire(configuration, types)
 
-    monkeypatch.setattr(systems, "wire", fails)
+    monkeypatch.setattr(wiring, "wire", fails)
     site = Site(tmp_path, EmbeddedStore.create(tmp_path / ".kg"))
     site.fill()
     report = site.build()
@@ -258,3 +263,23 @@ def test_a_launch_file_that_kg_trips_over_costs_the_others_nothing(
     assert "other/launch/inner.launch: its nodes could not be wired: KeyError: 'x' (test_systems.py:" in failed
     assert failed.partition(": ")[2] in site.launches()
     assert (report.systems.configurations, report.systems.instances) == (3, 4)
+
+
+def test_a_worker_that_dies_while_it_wires_costs_nothing(
+    site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its launch files are wired by the process that writes."""
+    here, usual = os.getpid(), wiring.wired
+
+    def dies(configuration: LaunchConfiguration, catalogue: Catalogue, iris: Iris) -> Wired:
+        if os.getpid() != here and configuration.path.endswith("a.launch"):
+            (tmp_path / "died").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return usual(configuration, catalogue, iris)
+
+    for module in (wiring, systems):
+        monkeypatch.setattr(module, "wired", dies)
+    store = EmbeddedStore.create(tmp_path / "again")
+    site.build(store, jobs=2)
+    assert (tmp_path / "died").exists()
+    assert not different(site.content(store), site.content())
