@@ -192,7 +192,7 @@ class Ends:
         """Yield the names of an interface, several parts of which can be parameters; holes that are `done` stay."""
         done |= {hole_of(declared.parameter or "")}
         for value, whole in members(declared, node, self.settings, self.place):
-            name = named(declared, node, value)
+            name = self._unless_set(declared.parameter, named(declared, node, value))
             name = replace(name, parameter=whole) if name.parameter is not None else name
             left = name.name if name.parameter is not None and name.name is not None else ""
             parameters = [one.name for one in node.parameters if one.name is not None] if "{" in left else ()
@@ -288,7 +288,14 @@ class Ends:
     def _named(self, declared: Interface, node: NodeType, parameter: str | None, place: Place) -> Named:
         if parameter is None or is_partial(parameter):
             return Named(declared.name, declared.resolution, None, declared.reason)
-        return named(declared, node, self.settings.get(parameter, place))
+        return self._unless_set(parameter, named(declared, node, self.settings.get(parameter, place)))
+
+    def _unless_set(self, parameter: str | None, name: Named) -> Named:
+        """Return a name by default with the doubt about it, if there may be a setting that is not known."""
+        is_default = name.resolution is Resolution.PARAMETER_DEFAULT and name.parameter is None
+        if not is_default or parameter is None or not self.settings.has_unread(self.place):
+            return name
+        return replace(name, reason=f"unless an unknown parameter file sets {parameter}")
 
     def _placed(
         self, declared: Interface, owner: NodeReference, name: Named, place: Place, handle: str | None = None

@@ -10,6 +10,7 @@ import yaml
 from kg.facts import (
     Access,
     DataFile,
+    InstanceInterface,
     Interface,
     LaunchConfiguration,
     LaunchDialect,
@@ -172,6 +173,7 @@ def seen(system: System) -> dict[str, Any]:
                 ],
                 "remapped": [end.resolved for end in instance.interfaces if end.remap is not None],
                 "set": [end.resolved or "?" for end in instance.interfaces if end.parameter is not None],
+                "doubts": [end.reason for end in instance.interfaces if end.reason and _is_default(end)],
                 "qos": [f"{end.qos.reliability} {end.qos.depth}" for end in instance.interfaces if end.qos is not None],
                 "unused": [f"{rule.source} {rule.target}" for rule in instance.remaps if not rule.used],
                 "meant": [name for rule in instance.remaps for name in rule.similar],
@@ -190,3 +192,7 @@ def seen(system: System) -> dict[str, Any]:
 
 def _without_empty(row: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if value not in ("", [], False)}
+
+
+def _is_default(end: InstanceInterface) -> bool:
+    return end.resolution is Resolution.PARAMETER_DEFAULT
