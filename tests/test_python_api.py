@@ -72,12 +72,23 @@ def test_a_notebook_shows_a_table_without_markup_of_the_data() -> None:
     assert "3 more rows" in html
 
 
+def test_a_prompt_shows_columns_without_control_characters() -> None:
+    """Only the first twenty rows are shown; the last line counts all."""
+    lines = repr(solutions(*[(NamedNode("urn:a"), Literal("\x1b[2J\nlong"))] * 21)).splitlines()
+    assert lines[0].split() == ["node", "count"]
+    assert len(lines) == 22
+    assert len({line.index("u") for line in lines[1:-1]}) == 1
+    assert "\x1b" not in "".join(lines)
+    assert lines[-1] == "(21 rows, the first 20 shown)"
+
+
 def test_a_graph_is_iterated_and_counted() -> None:
     """A CONSTRUCT result yields triples and has a length."""
     triple = Triple(NamedNode("urn:a"), NamedNode("urn:b"), Literal("c"))
     answer = Graph((triple,), 0.0, "1")
     assert (list(answer), len(answer)) == ([triple], 1)
     assert "<td>c</td>" in answer._repr_html_()
+    assert repr(answer).splitlines() == ["subject  predicate  object", "urn:a    urn:b      c", "(1 row)"]
 
 
 @pytest.mark.parametrize("value", [True, False])
@@ -153,3 +164,4 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     with contextlib.redirect_stdout(printed):
         exec(code, {})  # noqa: S102 - the page's own code
     assert printed.getvalue().count("/rover_robot/base_controller\n") == 2
+    assert "[{'package': 'rover_robot'}]" in printed.getvalue()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kg.facts import Problem  # noqa: TC001 - results are read by these annotations
@@ -39,7 +39,7 @@ class SourceReport:
     """
 
     repository: Repository
-    packages: tuple[PackageResult, ...]
+    packages: tuple[PackageResult, ...] = field(repr=False)
     read: int
     reused: int
     removed: int

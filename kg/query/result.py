@@ -9,6 +9,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.query.writing.values import display, plain
+from kg.render.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -22,6 +23,8 @@ Row: TypeAlias = "tuple[Term | None, ...]"
 
 _SHOWN: Final = 100
 """Number of rows shown in a notebook."""
+_PRINTED: Final = 20
+"""Number of rows shown at the prompt of Python."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,9 @@ class Solutions:
 
         return Frame(self.dicts(), columns=list(self.variables))
 
+    def __repr__(self) -> str:
+        return _text(self.variables, (map(display, row) for row in self.rows), len(self))
+
     def _repr_html_(self) -> str:
         return _table(self.variables, (map(display, row) for row in self.rows), len(self))
 
@@ -97,9 +103,26 @@ class Graph:
         """Yield the triples as pyoxigraph terms."""
         return iter(self.triples)
 
+    def __repr__(self) -> str:
+        return _text(_PARTS, self._shown(), len(self))
+
     def _repr_html_(self) -> str:
-        rows = ((display(one.subject), display(one.predicate), display(one.object)) for one in self.triples)
-        return _table(("subject", "predicate", "object"), rows, len(self))
+        return _table(_PARTS, self._shown(), len(self))
+
+    def _shown(self) -> Iterator[tuple[str, ...]]:
+        return ((display(one.subject), display(one.predicate), display(one.object)) for one in self.triples)
+
+
+_PARTS: Final = ("subject", "predicate", "object")
+
+
+def _text(head: Sequence[str], rows: Iterable[Iterable[str]], number: int) -> str:
+    """Return the first rows as columns, with the number of all rows."""
+    shown = [tuple(head), *(tuple(map(printable, row)) for row in islice(rows, _PRINTED))]
+    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in shown]
+    more = f", the first {_PRINTED} shown" if number > _PRINTED else ""
+    return "\n".join([*lines, f"({number} {'row' if number == 1 else 'rows'}{more})"])
 
 
 def _table(head: Sequence[str], rows: Iterable[Iterable[str]], number: int) -> str:

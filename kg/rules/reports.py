@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kg.rules.engine.facts import Facts
@@ -52,9 +52,9 @@ class RunReport:
     seconds: Seconds
     strata: int
     mode: str
-    rules: tuple[RuleReport, ...]
-    change: Difference
-    applied: tuple[Rule, ...] = ()
+    rules: tuple[RuleReport, ...] = field(repr=False)
+    change: Difference = field(repr=False)
+    applied: tuple[Rule, ...] = field(default=(), repr=False)
     generation: int | None = None
     dry_run: bool = False
 
