@@ -13,6 +13,7 @@ from pygls.exceptions import JsonRpcInvalidParams
 from pygls.lsp.server import LanguageServer
 
 from kg.codes import CATALOGUE, PAGE
+from kg.editors.facts import Facts
 from kg.editors.rules import Rules
 from kg.editors.texts import Text, actions, diagnostic, document_of, path_of, read, uri_of
 from kg.errors import KgError
@@ -135,6 +136,7 @@ class _Session:
         folder = path_of(folders[0])
         if folder is not None and folder.is_dir():
             self._attempt(lambda: self._source.enter(folder))
+        self.facts = Facts(self._server.workspace, self._source)
         self.learn()
 
     async def watch(self) -> None:
@@ -293,11 +295,13 @@ def _features(server: LanguageServer, session: _Session) -> None:
 
     @server.feature(types.TEXT_DOCUMENT_HOVER)
     def hovered(params: types.HoverParams) -> types.Hover | None:
-        return session.rules.hover(params.text_document.uri, params.position)
+        uri, position = params.text_document.uri, params.position
+        return session.rules.hover(uri, position) or session.facts.hover(uri, position)
 
     @server.feature(types.TEXT_DOCUMENT_DEFINITION)
-    def defined(params: types.DefinitionParams) -> types.Location | None:
-        return session.rules.definition(params.text_document.uri, params.position)
+    def defined(params: types.DefinitionParams) -> types.Location | list[types.Location]:
+        uri, position = params.text_document.uri, params.position
+        return session.rules.definition(uri, position) or session.facts.definition(uri, position)
 
     @server.feature(
         types.TEXT_DOCUMENT_CODE_ACTION, types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
@@ -308,7 +312,9 @@ def _features(server: LanguageServer, session: _Session) -> None:
     @server.feature(types.TEXT_DOCUMENT_REFERENCES)
     def referred(params: types.ReferenceParams) -> list[types.Location]:
         declaration = params.context.include_declaration
-        return session.rules.references(params.text_document.uri, params.position, declaration=declaration)
+        uri, position = params.text_document.uri, params.position
+        found = session.rules.references(uri, position, declaration=declaration)
+        return found or session.facts.references(uri, position, declaration=declaration)
 
     @server.feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
     def highlighted(params: types.DocumentHighlightParams) -> list[types.DocumentHighlight]:

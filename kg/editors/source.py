@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from kg import resources
 from kg.editors.rules import Knowledge
@@ -23,6 +24,7 @@ from kg.rules.lsp.symbols import Terms
 from kg.rules.reading import packs
 from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
+from kg.views.line import line
 
 
 class Source:
@@ -75,6 +77,11 @@ class Source:
             if error.code == "KG301":
                 return None
             raise
+
+    def line(self, path: Path, number: int) -> dict[str, Any]:
+        """Return what a line of a file does, see `kg.views.line`; StoreError KG301 without a store."""
+        with reading(self._settings) as snapshot:
+            return line(snapshot, self._settings, file=path, number=number)
 
     def build(self, path: Path) -> list[str] | None:
         """Return the command that reads the source of a file again; None if no source in the store has the file.

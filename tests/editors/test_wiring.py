@@ -143,3 +143,45 @@ def test_no_store(tmp_path: Path) -> None:
         editor.open(rule, "CONSTRUCT { ?a a ?b } WERE { ?a a ?b }")
         assert codes(editor.diagnostics(rule)) == ["KG201"]
         assert not [each for each in editor.read if each.get("method") == "window/showMessage"]
+
+
+def test_what_a_line_of_code_creates(folder: Path) -> None:
+    """The name and type of the interface of a line are shown, and who is at the other side."""
+    camera, viewer = folder / "src/watch/scripts/camera.py", folder / "src/watch/scripts/viewer.py"
+    with editing(folder) as editor:
+        editor.open(camera)
+        words = editor.at("hover", camera, "pictures = ")["contents"]["value"]
+        assert words.startswith("watch/camera **publishes** `/image_raw` `sensor_msgs/Image`")
+        assert editor.at("hover", camera, "rospy.spin") is None
+        assert editor.at("references", camera, "pictures = ", context={"includeDeclaration": False}) == []
+        (own,) = editor.at("references", camera, "pictures = ", context={"includeDeclaration": True})
+        assert (own["uri"], own["range"]["start"]["line"]) == (camera.as_uri(), 5)
+        editor.open(viewer)
+        assert "`/images_raw`" in editor.at("hover", viewer, "rospy.Subscriber")["contents"]["value"]
+
+
+def test_what_is_connected_to_a_line_of_code(workspace: Path) -> None:
+    """The lines at the other side are listed with their launch file, and can be jumped to."""
+    (workspace / "src/watch/launch/watch.launch").write_text(LAUNCH.replace("images_raw", "image_raw"))
+    build(workspace)
+    camera, viewer = workspace / "src/watch/scripts/camera.py", workspace / "src/watch/scripts/viewer.py"
+    with editing(workspace) as editor:
+        editor.open(camera)
+        words = editor.at("hover", camera, "pictures = ")["contents"]["value"]
+        assert (
+            f"- `/viewer` subscribes in `watch/launch/watch.launch`: [watch/scripts/viewer.py:6]({viewer.as_uri()}#L6)"
+            in words
+        )
+        (place,) = editor.at("references", camera, "pictures = ", context={"includeDeclaration": False})
+        assert (place["uri"], place["range"]["start"]["line"]) == (viewer.as_uri(), 5)
+
+
+def test_what_a_line_of_a_launch_file_starts(folder: Path) -> None:
+    """The node is shown, and its definition is its code."""
+    file = folder / "src/watch/launch/watch.launch"
+    with editing(folder) as editor:
+        editor.open(file)
+        assert "**starts** `/camera`, `watch/camera`" in editor.at("hover", file, "<node pkg")["contents"]["value"]
+        (place,) = editor.at("definition", file, "<node pkg")
+        assert place["uri"] == (folder / "src/watch/scripts/camera.py").as_uri()
+        assert editor.at("hover", file, "<remap") is None
