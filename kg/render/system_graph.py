@@ -14,6 +14,7 @@ from typing import Final
 from kg.facts import InstanceInterface, NodeInstance, StartKind, System
 from kg.holes import is_known
 from kg.names import FRAMEWORK
+from kg.render.conditions import condition
 from kg.render.text import count
 
 _PLAIN: Final = frozenset({StartKind.NODE, StartKind.LIFECYCLE_NODE, StartKind.TEST})
@@ -69,12 +70,16 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A member at a channel: `outward` where it publishes or calls, else it subscribes or offers."""
+    """A member at a channel: `outward` where it publishes or calls, else it subscribes or offers.
+
+    `condition` is what decides whether it does, if that is unknown: `if use_imu`.
+    """
 
     member: str
     channel: str
     outward: bool
     state: str = State.SAME
+    condition: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +139,10 @@ def system_graph(system: System, *, every: bool = False, title: str | None = Non
                 types = {*channels[channel.key].types, *channel.types}
                 channel = replace(channel, types=tuple(sorted(types)))
             channels[channel.key] = channel
-            link = Link(key, channel.key, end.declared.role.outward)
-            links[link.member, link.channel, link.outward] = link
+            link = Link(key, channel.key, end.declared.role.outward, condition=condition(end.switches))
+            place = link.member, link.channel, link.outward
+            # With two ends under different conditions, such as those of two types, it has one in any case or perhaps.
+            links[place] = link if links.get(place, link) == link else replace(link, condition="")
     hidden = (f"{count(left_out, 'end')} that frameworks make",) if left_out else ()
     foreign = {instance.host for instance in keys.values() if instance.host} - set(named)
     hosts = (Member(host, host, "host", reason="this configuration does not start it") for host in sorted(foreign))

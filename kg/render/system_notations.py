@@ -44,6 +44,7 @@ class SystemRow:
     """What is lacking where `others` is empty; `name not known` where nothing can be said."""
     outward: bool = True
     state: str = ""
+    condition: str = ""
 
 
 def system_rows(graph: SystemGraph) -> list[SystemRow]:
@@ -64,6 +65,7 @@ def system_rows(graph: SystemGraph) -> list[SystemRow]:
                 nobody="" if others else nobody_at(channel, outward=link.outward),
                 outward=link.outward,
                 state=link.state or channel.state,
+                condition=link.condition,
             )
         )
     return rows
@@ -101,8 +103,9 @@ def _below(rows: Iterable[SystemRow]) -> Iterable[str]:
         arrow = "→" if row.outward else "←"
         others = ", ".join(row.others) or f"({row.nobody})"
         verb = row.verb.ljust(13)
+        doubt = f", {row.condition}" if row.condition else ""
         yield printable(
-            f"  {SIGNS[row.state]}{arrow} {verb} {row.name.ljust(names)}  {row.type.ljust(types)}  {others}"
+            f"  {SIGNS[row.state]}{arrow} {verb} {row.name.ljust(names)}  {row.type.ljust(types)}  {others}{doubt}"
         )
 
 
@@ -203,7 +206,12 @@ def system_object(graph: SystemGraph) -> dict[str, Any]:
             for channel in graph.channels
         ],
         "edges": [
-            {**dict(zip(("source", "target"), _ends(link), strict=True)), **_state(link.state)} for link in graph.links
+            {
+                **dict(zip(("source", "target"), _ends(link), strict=True)),
+                **_state(link.state),
+                **({"condition": link.condition} if link.condition else {}),
+            }
+            for link in graph.links
         ],
         "hidden": list(graph.hidden),
     }

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution, Switch
+from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution
+from kg.render.conditions import condition
 
 LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
-_SIGNS: Final = {"==": "is"}
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}
 
 
@@ -33,22 +33,6 @@ def how(fact: Interface) -> str:
 def quality(switches: Iterable[str], qos: Qos | None) -> str:
     """Return the condition under which an end exists, and its quality of service."""
     return ", ".join(filter(None, (condition(switches), str(qos or ""))))
-
-
-def condition(switches: Iterable[str]) -> str:
-    """Return the parameters that decide whether an interface exists: `if use_imu and mode is scan, unless quiet`."""
-    parsed = [Switch.parse(one) for one in switches]
-    chosen = {one.parameter for one in parsed if one.wanted and one.sign == "=="}
-    words = []
-    for word, wanted in (("if", True), ("unless", False)):
-        named = [
-            one.parameter if one.value is None else f"{one.parameter} {_SIGNS.get(one.sign, one.sign)} {one.value}"
-            for one in parsed
-            # That a parameter has one value says that it has no other.
-            if one.wanted is wanted and (wanted or one.sign != "==" or one.parameter not in chosen)
-        ]
-        words += [f"{word} {(' and ' if wanted else ' or ').join(named)}"] if named else []
-    return ", ".join(words)
 
 
 def how_loaded(fact: PluginSlot) -> str:

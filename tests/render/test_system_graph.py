@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 from render.systems import CAMERA, end, instance, system
 
 from kg.facts import Role
 from kg.render.system_graph import bundles, system_graph
+from kg.render.system_notations import system_lines, system_object, system_rows
 from kg.render.system_views import around, collapsed, near_changes, overlaid
 
 GRAPH = system_graph(system(CAMERA))
@@ -81,3 +84,17 @@ def test_what_is_far_from_changes_can_be_left_out() -> None:
     after = system_graph(system([*CAMERA, instance("/undock", end(Role.ACTION_CLIENTS, "/dock"))]))
     assert [one.key for one in near_changes(overlaid(GRAPH, after)).members] == ["/base", "/detector", "/undock"]
     assert near_changes(GRAPH) == GRAPH
+
+
+def test_an_end_that_a_node_might_not_have_keeps_its_condition() -> None:
+    """Two ends of one name under different conditions have none in common."""
+    odom, stamped, plain = (end(Role.SUBSCRIBES, name) for name in ("/odom", "/cmd", "/cmd"))
+    doubtful = [
+        replace(odom, switches=("use_odom",)),
+        replace(stamped, switches=("stamped",)),
+        replace(plain, switches=("!stamped",)),
+    ]
+    graph = system_graph(system([instance("/base", *doubtful)]))
+    assert {row.name: row.condition for row in system_rows(graph)} == {"/odom": "if use_odom", "/cmd": ""}
+    assert [line for line in system_lines(graph) if line.endswith("(nobody publishes), if use_odom")]
+    assert [edge["condition"] for edge in system_object(graph)["edges"] if "condition" in edge] == ["if use_odom"]

@@ -3,7 +3,8 @@ from __future__ import annotations
 import pytest
 
 from kg.facts import Interface, Location, Qos, Resolution, Role
-from kg.views.wording import condition, how
+from kg.render.conditions import condition
+from kg.views.wording import how
 
 HERE = Location("a.cpp", 1)
 

@@ -99,7 +99,10 @@ def graph(  # noqa: PLR0913 - the options of a command
         drawn = collapsed(drawn, expand or ())
     if form == "text" and output is None and not terminal():
         rows = [
-            (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
+            (
+                *(row.node, row.verb, row.name, row.type),
+                ", ".join(filter(None, (*(row.others or (f"({row.nobody})",)), row.condition))),
+            )
             for row in system_rows(drawn)
         ]
         listing(_COLUMNS, rows)
