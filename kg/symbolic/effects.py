@@ -375,7 +375,8 @@ class Framework:
             if arguments and any(isinstance(one, Object) for one in alternatives(arguments[0])):
                 return arguments[0], arguments[1:]
             return None, arguments
-        given = arguments[node] if isinstance(node, int) and node < len(arguments) else None
+        index = 0 if node == "handle" else node
+        given = arguments[index] if isinstance(index, int) and index < len(arguments) else None
         is_time = isinstance(given, Object) and "seconds" in given.native  # the node can be left out in front of it
         return (None if is_time else given), arguments
 
@@ -437,7 +438,8 @@ class Framework:
             if not described.scopes or not _in_scope(described.scopes, names[:-1], uses):
                 continue
             placed = given.placed(described.parameters)
-            if described.least <= len(placed.values) <= described.most:
+            matches = described.node != "handle" or any(map(self.is_node, placed.values[:1]))
+            if matches and described.least <= len(placed.values) <= described.most:
                 node, rest = self._shifted(described.node, placed.values)
                 return self._run(described, Invocation(node, replace(placed, values=rest)))
         return None
