@@ -44,19 +44,18 @@ def mapped(of: Text, change: Callable[[Value], Value]) -> Text:
 
 def computed(sign: str, row: tuple[Value, ...]) -> Value | None:
     """Return the letter that is some places after or before another, or the places between two; None for others."""
-    numbers = [value for value in row if isinstance(value, Number)]
-    places = [place for place in map(_place, row) if place is not None]
-    if len(numbers) + len(places) < len(row) or not places:
-        return None
-    if len(places) == 1 and (sign == "+" or (sign == "-" and not isinstance(row[0], Number))):
+    places: list[int] = []
+    numbers: list[Number] = []
+    for value in row:
+        if type(value) is Number:
+            numbers.append(value)
+        elif type(value) is Text and (exact := value.exact) is not None and len(exact) == 1:
+            places.append(ord(exact))
+        else:
+            return None
+    if len(places) == 1 and (sign == "+" or type(row[0]) is Text):
         steps = sum(value.whole for value in numbers)
         result = places[0] + (steps if sign == "+" else -steps)
         parameter = next((value.parameter for value in numbers if value.parameter), None)
         return Text.of(chr(result), parameter=parameter) if 0 < result <= _LAST else None
     return number(places[0] - places[1]) if sign == "-" and len(places) == len(row) == _PAIR else None
-
-
-def _place(value: Value) -> int | None:
-    """Return the number of a letter."""
-    exact = value.exact if isinstance(value, Text) else None
-    return ord(exact) if exact is not None and len(exact) == 1 else None

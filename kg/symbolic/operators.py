@@ -130,7 +130,7 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     duration = scaled(sign, row)
     if duration is not None:
         return duration
-    letter = computed(sign, row) if any(isinstance(value, Text) for value in row) else None
+    letter = computed(sign, row) if sign in ("+", "-") else None
     if letter is not None:
         return letter
     if sign == "+":

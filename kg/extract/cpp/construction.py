@@ -264,14 +264,14 @@ def _in_order(cls: Class, given: _Initialisers) -> Iterable[Field]:
 
     A member can keep a reference to one that is initialised after it.
     """
-    places = {name: place for place, name in enumerate(cls.fields)}
     order = list(cls.fields)
-    for receiver, place in places.items():
-        for name in map(_referred, given[receiver].arguments if receiver in given else ()):
-            if places.get(name, 0) > place:
+    for receiver, entry in given.items():
+        for argument in entry.arguments if receiver in cls.fields else ():
+            name = _referred(argument)
+            if name in cls.fields and order.index(name) > order.index(receiver):
                 order.remove(name)
                 order.insert(order.index(receiver), name)
-    return [cls.fields[name] for name in order]
+    return map(cls.fields.__getitem__, order)
 
 
 def _referred(argument: Expression) -> str:
