@@ -362,7 +362,15 @@ class Workspace:
             module = self._module_at(near.repository, posixpath.join(root, parts))
             if module:
                 return module
-        return self._module_anywhere(parts, near, home)
+        return self._module_anywhere(parts, near, home) or self._module_above(parts, near, folder, home)
+
+    def _module_above(self, parts: str, near: FilePath, folder: str, home: Place | None) -> FilePath | None:
+        """Return a module next to a program of the package, whose folder is around that of the importing file."""
+        module = None
+        while module is None and home is not None and folder != home.path and folder:
+            folder = posixpath.dirname(folder)
+            module = self._module_at(near.repository, posixpath.join(folder, parts))
+        return module
 
     def _module_at(self, repository: str, stem: str) -> FilePath | None:
         stem = posixpath.normpath(stem)

@@ -14,7 +14,7 @@ MOST_ARGUMENTS: Final = 99
 """The number of arguments that a call can have if its description gives none."""
 _VERSIONS: Final = (0, 1, 2)
 LANGUAGES: Final = ("cpp", "python")
-_NODES: Final = ("first handle", "interfaces", "host")
+_NODES: Final = ("first handle", "handle", "interfaces", "host")
 
 
 class Form(NamedTuple):
@@ -64,7 +64,7 @@ _COMMON: Final[Mapping[str, Form]] = {
     "arguments": _COUNTS,
     "parameters": _TEXTS,
     "node": Form(
-        'the number of an argument, "first handle", "interfaces" or "host"',
+        'the number of an argument, "first handle", "handle", "interfaces" or "host"',
         lambda value: _is_index(value) or value in _NODES,
     ),
     "node_name": _INDEX,

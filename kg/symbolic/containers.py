@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeGuard
 from kg.facts import Resolution
 from kg.holes import Hole, fits, label_of
 from kg.symbolic import form
+from kg.symbolic.letters import letters, with_letter
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
@@ -47,6 +48,9 @@ def elements(of: Value) -> list[Value]:
         return [*items, *([_some(of)] if of.open else [])]
     if isinstance(of, Mapping):
         return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
+    known = letters(of)
+    if known is not None:
+        return known
     if is_unknown_parameter(of):
         return [part_of(f"{of.parameter}[]")]
     if isinstance(of, Object) and not of.created:
@@ -122,6 +126,8 @@ def element(of: Value, key: Value) -> Value:
         return join(*values) if values else Unknown("the map has no such key")
     if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
         return Text.of("/")
+    if isinstance(key, Number) and (known := letters(of)) is not None and 0 <= key.whole < len(known):
+        return known[key.whole]
     if is_unknown_parameter(of):
         part = f".{key.exact}" if isinstance(key, Text) and key.exact is not None else "[]"
         return part_of(f"{of.parameter}{part}")
@@ -171,7 +177,14 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
         return replace(of, items=(*pairs, *added), parameter=None)
     if isinstance(of, Sequence) and not of.items:
         return Mapping(((key, value),))
-    return of
+    return with_letter(of, key, value) if isinstance(of, Text) and isinstance(key, Number | Unknown) else of
+
+
+def is_finite(of: Value) -> bool:
+    """Check whether all elements of a container are known."""
+    if isinstance(of, (Sequence, Mapping)):
+        return not of.open and not is_unset(of)
+    return letters(of) is not None
 
 
 def grown(written: Written) -> Written:

@@ -30,6 +30,7 @@ from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
     OUTSIDE,
+    UNSURE,
     Bound,
     Closure,
     Either,
@@ -437,8 +438,9 @@ class Framework:
             if not described.scopes or not _in_scope(described.scopes, names[:-1], uses):
                 continue
             placed = given.placed(described.parameters)
-            if described.least <= len(placed.values) <= described.most:
-                node, rest = self._shifted(described.node, placed.values)
+            where = 0 if described.node == "handle" and any(map(self.is_node, placed.values[:1])) else described.node
+            if where != "handle" and described.least <= len(placed.values) <= described.most:
+                node, rest = self._shifted(where, placed.values)
                 return self._run(described, Invocation(node, replace(placed, values=rest)))
         return None
 
@@ -584,7 +586,7 @@ class Framework:
         if isinstance(name, (Closure, Bound, Sequence, Mapping)):
             return None
         if isinstance(name, Text) and name.unsure:
-            name = Unknown("only something unknown fills it")
+            name = Unknown(UNSURE)
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
         if is_empty_text(whole):

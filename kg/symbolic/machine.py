@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import binding, form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
-from kg.symbolic.containers import counted_by, grown, is_unset
+from kg.symbolic.containers import counted_by, grown, is_finite
 from kg.symbolic.narrowing import Arm, attempt, exclude, narrowed
 from kg.symbolic.operators import (
     chosen,
@@ -467,7 +467,7 @@ class Machine:
 
     def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
         items = self.language.elements(over)
-        finite = isinstance(over, (Sequence, Mapping)) and not over.open and not is_unset(over)
+        finite = is_finite(over)
         if finite and len(items) > self.most_turns:
             self.cut(loop, frame)
             items = items[: self.most_turns]

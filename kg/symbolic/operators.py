@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Resolution
 from kg.symbolic.durations import scaled
+from kg.symbolic.letters import computed
 from kg.symbolic.values import (
     Bound,
     Closure,
@@ -129,6 +130,9 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     duration = scaled(sign, row)
     if duration is not None:
         return duration
+    letter = computed(sign, row) if sign in ("+", "-") else None
+    if letter is not None:
+        return letter
     if sign == "+":
         return _sum(row)
     if sign in ("/", "true/") and any(isinstance(value, Text) for value in row):

@@ -383,6 +383,8 @@ _READ_BACK: Final = frozenset({Text, Sequence, Either})
 
 UNASSIGNED: Final = Text(("",), reason="nothing assigns it in the code that was run")
 """A text that a declaration leaves empty."""
+UNSURE: Final = "only something unknown fills it"
+"""Why a text is not known that is empty unless something unknown fills it."""
 
 
 def read_back(value: Value, name: str = "") -> Value:
@@ -557,7 +559,7 @@ def number(value: float, parameter: str | None = None) -> Number:
 def concatenate(*values: Value) -> Value:
     """Return the text of all values in a row; an unknown value becomes a hole.
 
-    So does a text after others that nothing assigned: code that is not known fills it, or nobody would put it there.
+    So does a text after others that is empty unless something unknown fills it: else nobody would put it there.
     """
     if any(isinstance(value, Either) for value in values):
         return over(values, concatenate)
@@ -566,10 +568,10 @@ def concatenate(*values: Value) -> Value:
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
-        if piece.reason == UNASSIGNED.reason:
+        if piece.reason == UNASSIGNED.reason or (piece.unsure and piece.exact == ""):
             if not parts:
                 continue
-            piece = Text.hole(UNASSIGNED.reason or "")
+            piece = Text.hole(piece.reason or UNSURE)
         resolution = worse(resolution, piece.resolution)
         parameter = parameter or piece.parameter
         reason = reason or piece.reason

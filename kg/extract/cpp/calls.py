@@ -259,7 +259,9 @@ class Calls:
     def _is_generated(self, names: tuple[str, ...], frame: Frame) -> bool:
         """Return whether a name is a class that the build generates of a message or service."""
         in_package = len(names) > 1 and names[-1][:1].isupper()
-        return in_package and (names[-2] in GENERATED or self._linker.generated(names[-1], frame.unit) == names)
+        return in_package and (
+            names[-2] in GENERATED or self._linker.generated(names[-1], frame.unit, names[:1]) == names
+        )
 
     def _with_defaults(self, defined: list[Function], declared: list[Function], given: Arguments) -> Arguments:
         """Return the arguments of a call of a function, with the default ones that only its declaration has."""

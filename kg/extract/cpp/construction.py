@@ -15,7 +15,7 @@ from kg.symbolic.state import Arguments, Frame, Site
 from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value, number
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Class, Expression, Field, Function, Type
@@ -209,7 +209,7 @@ class Constructions:
     def _members(self, instance: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         machine = self._language.machine
         self._around.append(cls)
-        for field in cls.fields.values():
+        for field in _in_order(cls, given):
             kind = field.type
             if field.static:
                 continue
@@ -257,6 +257,28 @@ class Constructions:
     def _braced(self, kind: Kind, items: list[Value], frame: Frame | None, line: int) -> Value:
         """Return a new object that a declaration initialises with braces; without items a text is as without braces."""
         return self.construct(kind, items, frame, line, listed=bool(items) or kind.name not in library.TEXTS)
+
+
+def _in_order(cls: Class, given: _Initialisers) -> Iterable[Field]:
+    """Return the members in the order of their declaration, but a member before those that receive it.
+
+    A member can keep a reference to one that is initialised after it.
+    """
+    order = list(cls.fields)
+    for receiver, entry in given.items():
+        for argument in entry.arguments if receiver in cls.fields else ():
+            name = _referred(argument)
+            if name in cls.fields and order.index(name) > order.index(receiver):
+                order.remove(name)
+                order.insert(order.index(receiver), name)
+    return map(cls.fields.__getitem__, order)
+
+
+def _referred(argument: Expression) -> str:
+    """Return the name of the variable that an argument is, or whose address it is; empty for others."""
+    if isinstance(argument, form.Unary) and argument.sign == "&":
+        argument = argument.operand
+    return argument.names[0] if isinstance(argument, form.Name) and len(argument.names) == 1 else ""
 
 
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:

@@ -214,7 +214,7 @@ class Kinds:
         if pointed is not None:
             return _pointer(Kind((*pointed.scope, pointed.name), (), pointed))
         if len(names) == 1:
-            generated = self._linker.generated(names[0], unit) if names[0][:1].isupper() else None
+            generated = self._linker.generated(names[0], unit, scope) if names[0][:1].isupper() else None
             return Kind(generated or names, arguments)
         if names[-1] in POINTER_ALIASES:
             owner = self._named(names[:-1], arguments, unit, scope, depth + 1)

@@ -115,7 +115,6 @@ _ADDERS: Final = frozenset(
 _CHANGERS: Final = _ADDERS | {"append", "operator+=", "assign", "clear", "erase", "pop_back", "replace", "resize"}
 _HOLDERS: Final = frozenset({"optional", "variant", "any"})
 """Templates whose objects hold one object, which `emplace` constructs."""
-_CASES: Final[dict[str, Callable[[str], str]]] = {"to_lower_copy": str.lower, "to_upper_copy": str.upper}
 _CLEARED: Final[dict[type, Value]] = {Sequence: Sequence(()), Mapping: Mapping(()), Text: Text.of("")}
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
@@ -353,7 +352,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
             language.calls.value(values[0], Arguments([one], frame=given.frame)) for one in alternatives(values[1])
         )
         return join(*results)
-    if name in ("for_each", "transform"):
+    if name == "for_each":
         for one in elements(alternatives(values[0])[0]):
             if isinstance(values[-1], (Closure, Bound)):
                 language.calls.value(values[-1], Arguments([one], frame=given.frame))
@@ -361,8 +360,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name == "call_once" and len(values) > 1:
         called = _bind(values[1:]) if len(values) > _PAIR else values[1]
         return language.calls.value(called, Arguments([], frame=given.frame))
-    if name in _CASES:
-        return over((values[0],), partial(_cased, change=_CASES[name]))
+    if name in tokens.CASES:
+        return over((values[0],), partial(_cased, change=tokens.CASES[name]))
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None

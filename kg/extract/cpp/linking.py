@@ -32,6 +32,8 @@ _OF_FRAMEWORKS: Final = frozenset({"ros", "rclcpp", "rclcpp_action", "rclcpp_lif
 _HEADERS: Final = (".h", ".hpp", ".hh", ".hxx", ".yaml", ".yml")
 """Endings of headers, and of the YAML files of which some are made."""
 _SNAKE: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_PART: Final = re.compile(r"(?<=.)(?:Request|Response)(?:Const)?(?:Ptr)?\Z")
+"""The suffixes of the classes that ROS 1 generates for the parts of a service."""
 
 
 class Linker:
@@ -50,7 +52,7 @@ class Linker:
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
         self._holders: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
-        self._generated: dict[tuple[str, Unit], _Scope | None] = {}
+        self._generated: dict[tuple[str, Unit, _Scope], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
         self._special: dict[tuple[_Scope, str], tuple[int, tuple[Class | None, list[Class]]]] = {}
@@ -170,18 +172,19 @@ class Linker:
                 return (package, *names)
         return None
 
-    def generated(self, name: str, unit: Unit) -> _Scope | None:
-        """Return the qualified name of a class, or of pointers to it, whose generated header a file includes."""
-        key = (name, unit)
+    def generated(self, name: str, unit: Unit, scope: _Scope) -> _Scope | None:
+        """Return the qualified name of a class, a part of it or pointers to it, whose generated header is included."""
+        around = scope[:1]
+        key = (name, unit, around)
         if key not in self._generated:
             self._generated[key] = next(
                 (
                     (*path.split("/")[:-1], name)
-                    for stem in dict.fromkeys((name, POINTER_NAME.sub("", name)))
+                    for stem in dict.fromkeys((name, POINTER_NAME.sub("", name), _PART.sub("", name)))
                     for file in (f"{_SNAKE.sub('_', stem).lower()}.hpp", f"{stem}.h")
                     for one in self._holding(unit, "include", file)
                     for path in one.includes
-                    if path.endswith("/" + file) and name.encode() in one.source
+                    if path.endswith("/" + file) and (name.encode() in one.source or (path.split("/")[0],) == around)
                 ),
                 None,
             )

@@ -63,7 +63,7 @@ _UNFINISHED: Final = re.compile(rb"(?:[,(=|?<]|&&|[^:]:)\Z")
 """The end of code that goes on in what follows, such as a list of arguments."""
 _HEAD: Final = re.compile(rb"(?:\b(?:if|while|switch)\b[^;{}]*\)|\bfor\b[^{}]*\)|\belse)\Z")
 """The head of a statement whose body follows."""
-_CONTINUED: Final = re.compile(rb"\s*(?:[,)?=|]|\.\w|&&|<<|:[^:])")
+_CONTINUED: Final = re.compile(rb"\s*(?:[,)?=|]|\.\w|&&|<<|:[^:]|else\b)")
 """The begin of code that goes on from what is before it."""
 _LEFT_OUT: Final = re.compile(rb"/\*.*?\*/|//[^\n]*|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 """Comments and lines of the preprocessor."""
@@ -212,7 +212,7 @@ def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], conditions: lis
     sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
     first = conditions.index(True) if True in conditions else len(conditions)
     live = [place for place, one in enumerate(conditions[: first + 1]) if one is not False]
-    splits = any(_splits(source, *side) for side in sides) or _in_statement(source, marks[0].start(), sides)
+    splits = any(_splits(source, *side) for side in sides) or _in_statement(source, marks, sides)
     if splits:
         live = live[:1]
     elif live == list(range(len(sides))) and not any(_HAS_INCLUDE in mark[0] for mark in marks):
@@ -231,13 +231,14 @@ def _splits(source: bytearray, start: int, end: int) -> bool:
     return -1 < source.find(b"}", start, end) < source.find(b"{", start, end)
 
 
-def _in_statement(source: bytearray, start: int, sides: list[tuple[int, int]]) -> bool:
-    """Return whether an `#if` that begins at `start` is within a statement, an expression or a list of initialisers."""
-    before = _before(source, start)
+def _in_statement(source: bytearray, marks: list[re.Match[bytes]], sides: list[tuple[int, int]]) -> bool:
+    """Return whether an `#if` is within a statement, an expression or a list of initialisers."""
+    before = _before(source, marks[0].start())
     ends = (_before(source, end) for _, end in sides)
     if _UNFINISHED.search(before) or any(_HEAD.search(code) for code in (before, *ends)):
         return True
-    begins = (source[begin : min(end, begin + _NEAR)] for begin, end in sides)
+    after = (marks[-1].end(), len(source))
+    begins = (source[begin : min(end, begin + _NEAR)] for begin, end in (*sides, after))
     return any(_CONTINUED.match(_LEFT_OUT.sub(b"", begin)) for begin in begins)
 
 

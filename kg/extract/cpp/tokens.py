@@ -7,10 +7,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.binding import put
-from kg.symbolic.containers import part_of
-from kg.symbolic.form import Call, Member
+from kg.symbolic.containers import elements, is_finite, part_of
+from kg.symbolic.form import Call, Member, Name
+from kg.symbolic.letters import mapped
 from kg.symbolic.operators import compute
 from kg.symbolic.parameters import with_parameter
+from kg.symbolic.state import Arguments
 from kg.symbolic.values import Object, Sequence, Text, Truth, Unknown, Value, over
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression
-    from kg.symbolic.state import Arguments
+    from kg.symbolic.state import Frame
 
 STREAMS: Final = frozenset({"stringstream", "istringstream", "ostringstream", "basic_stringstream"})
 _READ: Final = "it is read when the program runs"
@@ -41,6 +43,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         pieces = _pieces(values[1], _separator(values[2:]))
         put(language.machine, given.written[0], pieces, given.frame)
         return pieces
+    if name == "transform" and values and given.frame is not None:
+        return _transformed(language, given, given.frame)
     if name == "is_any_of" and values:
         return values[0]
     return _changed(language, names, given) if name in _CHANGES else None
@@ -49,11 +53,11 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
 def _changed(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Change the text in the first argument, or whose characters the first two span; None for other functions."""
     first, frame = given.written[0], given.frame
-    spanned = isinstance(first, Call) and isinstance(first.function, Member) and first.function.name in _BEGINNINGS
-    if frame is None or not (spanned or names[0] in ("boost", "algorithm")):
+    spanned = _spanned(first)
+    if frame is None or not (spanned is not None or names[0] in ("boost", "algorithm")):
         return None
-    target = first.function.of if isinstance(first, Call) and isinstance(first.function, Member) else first
-    texts = [one.exact for one in given.values[2 if spanned else 1 :] if isinstance(one, Text)]
+    target = first if spanned is None else spanned
+    texts = [one.exact for one in given.values[1 if spanned is None else 2 :] if isinstance(one, Text)]
     known = [one for one in texts if one is not None]
     count, change = _CHANGES[names[-1]]
 
@@ -69,6 +73,13 @@ def _changed(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value |
 
 
 _BEGINNINGS: Final = ("begin", "cbegin")
+_ONE_RANGE: Final = 4
+"""How many arguments `std::transform` has that reads one range."""
+CASES: Final[dict[str, Callable[[str], str]]] = {
+    **dict.fromkeys(("to_lower_copy", "tolower"), str.lower),
+    **dict.fromkeys(("to_upper_copy", "toupper"), str.upper),
+}
+"""Functions that return a text in small or capital letters."""
 _CHANGES: Final[dict[str, tuple[int, Callable[..., str]]]] = {
     "replace": (2, str.replace),
     "replace_all": (2, str.replace),
@@ -80,6 +91,41 @@ _CHANGES: Final[dict[str, tuple[int, Callable[..., str]]]] = {
     "trim": (0, str.strip),
 }
 """Functions that change a text in place: how many other texts they get, and what they make of all."""
+
+
+def _transformed(language: Cpp, given: Arguments, frame: Frame) -> Value:
+    """Call a function with each element of a range, and write the results to a container or a text."""
+    function, written, machine = given.values[-1], given.written, language.machine
+    named = CASES.get(written[-1].names[-1]) if isinstance(written[-1], Name) else None
+
+    def change(one: Value) -> Value:
+        if named is not None and isinstance(one, Text) and one.exact is not None:
+            return Text.of(named(one.exact))
+        return language.calls.value(function, Arguments([one], frame=frame))
+
+    def changed(of: Value) -> Value:
+        if isinstance(of, Text):
+            return mapped(of, change)
+        results = tuple(change(one) for one in elements(of))
+        return Sequence(results) if is_finite(of) else Unknown(_READ)
+
+    range_of, target = _spanned(written[0]), _spanned(written[2]) if len(written) == _ONE_RANGE else None
+    result = over((machine.value(range_of or written[0], frame),), changed)
+    if target is not None:
+        put(machine, target, result, frame)
+    elif isinstance(added := written[2] if len(written) == _ONE_RANGE else None, Call) and added.arguments:
+        before = machine.value(added.arguments[0], frame)
+        put(machine, added.arguments[0], over((before, result), lambda *row: compute("+", row)), frame)
+    return Unknown("it returns the end of what it wrote")
+
+
+def _spanned(expression: Expression) -> Expression | None:
+    """Return the container or text of which an expression is the begin; None for others."""
+    if isinstance(expression, Call) and isinstance(expression.function, Member):
+        return expression.function.of if expression.function.name in _BEGINNINGS else None
+    if isinstance(expression, Call) and isinstance(expression.function, Name) and len(expression.arguments) == 1:
+        return expression.arguments[0] if expression.function.names[-1] in _BEGINNINGS else None
+    return None
 
 
 def _next(language: Cpp, stream: Value, target: Expression, separator: str, given: Arguments) -> Value:

@@ -304,10 +304,15 @@ def from_environment(name: Value) -> Value:
     return Text.hole("it is read from the environment", name.exact or "" if isinstance(name, Text) else "")
 
 
+_MEMBERS_AS_KEYS: Final = (
+    "addict.Dict", "attrdict.AttrDict", "attrdict.AttrMap", "box.Box", "bunch.Bunch", "dotmap.DotMap",
+    "easydict.EasyDict", "munch.Munch", "munch.munchify", "types.SimpleNamespace",
+)  # fmt: skip
+"""Classes of maps whose members are the elements with these keys."""
 NAMED: Final[dict[str, Callable[[list[Value], Names[str, Value]], Value]]] = {
     "builtins.sorted": _sorted,
     "builtins.enumerate": _enumerate,
-    **dict.fromkeys(("builtins.dict", "collections.OrderedDict"), _dictionary),
+    **dict.fromkeys(("builtins.dict", "collections.OrderedDict", *_MEMBERS_AS_KEYS), _dictionary),
     **dict.fromkeys(("os.environ.get", "os.getenv"), _environment),
 }
 """Functions with arguments by name."""

@@ -100,7 +100,10 @@ def element(of: Value, key: Value) -> Value:
 
 
 def member(of: Value, name: str) -> Value | None:
-    """Return a member of a parameter, an enumerator, a number or a path; None for others."""
+    """Return a member of a parameter, an enumerator, a number, a path, or a map with keys as members; else None."""
+    for key, value in of.items if isinstance(of, Mapping) else ():
+        if isinstance(key, Text) and key.exact == name:
+            return value
     if name in _VALUES:
         return of
     if name == "type" and (of_type := type_of_value(of)) in _TYPE_NUMBERS:

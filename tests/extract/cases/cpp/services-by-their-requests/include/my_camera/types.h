@@ -1,0 +1,2 @@
+#pragma once
+#include <my_camera/GetNumber.h>

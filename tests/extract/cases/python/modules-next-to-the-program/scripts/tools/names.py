@@ -1,0 +1,1 @@
+STATE = "%s/state" % "arm"
