@@ -302,7 +302,7 @@ class _Build:
             # The store is loaded after the workers have started, which must not inherit an open engine.
             trusted = self._trusted(workspace.sources, plan)
             if self._rules is not None:
-                self._inference.watch(self._transaction)
+                self._inference.begin(self._transaction)
             shared = Iris(self._settings.base).graph(SHARED)
             writing = Writing(
                 self._transaction,
