@@ -301,8 +301,7 @@ class _Build:
             self._jobs = pool.size if pool else self._jobs
             # The store is loaded after the workers have started, which must not inherit an open engine.
             trusted = self._trusted(workspace.sources, plan)
-            if self._rules is not None:
-                self._inference.begin(self._transaction)
+            self._inference.begin(self._transaction, watched=self._rules is not None)
             shared = Iris(self._settings.base).graph(SHARED)
             writing = Writing(
                 self._transaction,

@@ -222,26 +222,30 @@ class Inference:
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written(self._store.layout.cache)
 
-    def begin(self, transaction: EmbeddedTransaction) -> None:
-        """Watch a transaction, and let an empty store begin with the ontologies that `kg` brings along.
+    def begin(self, transaction: EmbeddedTransaction, *, watched: bool) -> None:
+        """Let an empty store begin with the ontologies that `kg` brings along; `watched` if rules will run.
 
         Raises UsageError KG002 for a folder or file of the settings that does not exist.
         """
-        self.watch(transaction)
-        written, settings = transaction.changes, self._settings
-        if not isinstance(written, Written) or ontologies_in_force(settings) != default_ontologies():
+        settings = self._settings
+        if watched:
+            self.watch(transaction)
+        if transaction.base is not None or ontologies_in_force(settings) != default_ontologies():
             return
-        mark, graph = ontology_digest(settings, self._store.layout.cache), self._ontology
+        mark, graph, written = ontology_digest(settings, self._store.layout.cache), self._ontology, transaction.changes
         key = seeds.key_of(mark, graph)
         seed = seeds.load(key)
         if seed is not None:
             transaction.start_with(seed.files)
-            written.begin(graph.value, seed.terms, seed.columns)
             self._ontologies = _Ontologies(mark, seed.packed)
-            return
-        self.update_ontologies(transaction)
-        if self._ontologies is not None:
-            seeds.save(key, seeds.Seed(transaction.files(), *written.so_far(graph.value), self._ontologies.packed))
+            if isinstance(written, Written):
+                written.begin(graph.value, seed.terms, seed.columns)
+            else:
+                written.replace(graph.value)
+        elif isinstance(written, Written):
+            self.update_ontologies(transaction)
+            if self._ontologies is not None:
+                seeds.save(key, seeds.Seed(transaction.files(), *written.so_far(graph.value), self._ontologies.packed))
 
     @property
     def _ontology(self) -> NamedNode:
