@@ -20,6 +20,7 @@ from kg.graph.ontology_files import ontology_triples
 from kg.language.annotating import prepare
 from kg.pipeline import reasoning
 from kg.pipeline.build import build
+from kg.pipeline.plan import code_version
 from kg.pipeline.reasoning import rules_over
 from kg.resources import folder
 from kg.settings import load
@@ -42,7 +43,7 @@ _RULES: Final = ("_cut", "_packed", "_read")
 
 
 def prepare_builds() -> None:
-    """Load the tagger, the readers and the descriptions of calls, which forks of this process inherit.
+    """Load the tagger, the readers, the descriptions of calls and the digest of the code, which forks inherit.
 
     From then on, this process keeps the rules of more selections.
     """
@@ -55,6 +56,7 @@ def prepare_builds() -> None:
         importlib.import_module(name)
     for language in ("cpp", "python"):
         merged((), language)
+    code_version("")
 
 
 def prepare_rules() -> None:

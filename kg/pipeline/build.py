@@ -310,8 +310,7 @@ class _Build:
         """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
         self._jobs = pool.size if pool else self._jobs
         trusted = self._trusted(workspace.sources, plan)
-        if self._rules is not None:
-            self._inference.watch(self._transaction)
+        self._inference.begin(self._transaction, watched=self._rules is not None)
         shared = Iris(self._settings.base).graph(SHARED)
         writing = Writing(
             self._transaction,

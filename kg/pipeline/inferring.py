@@ -24,9 +24,10 @@ from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import GraphError, KgError, Place, RuleError, UsageError
 from kg.graph.iris import Iris
-from kg.graph.ontology_files import ontologies_in_force, ontology_triples
+from kg.graph.ontology_files import default_ontologies, ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
+from kg.pipeline import seed as seeds
 from kg.pipeline.filecache import State, states, unless_changed
 from kg.pipeline.reach import newly_asserted
 from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
@@ -221,6 +222,36 @@ class Inference:
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written(self._store.layout.cache)
 
+    def begin(self, transaction: EmbeddedTransaction, *, watched: bool) -> None:
+        """Let an empty store begin with the ontologies that `kg` brings along; `watched` if rules will run.
+
+        Raises UsageError KG002 for a folder or file of the settings that does not exist.
+        """
+        settings = self._settings
+        if watched:
+            self.watch(transaction)
+        if transaction.base is not None or ontologies_in_force(settings) != default_ontologies():
+            return
+        mark, graph, written = ontology_digest(settings, self._store.layout.cache), self._ontology, transaction.changes
+        key = seeds.key_of(mark, graph)
+        seed = seeds.load(key)
+        if seed is not None:
+            transaction.start_with(seed.files)
+            self._ontologies = _Ontologies(mark, seed.packed)
+            if isinstance(written, Written):
+                written.begin(graph.value, seed.terms, seed.columns)
+            else:
+                written.replace(graph.value)
+        elif isinstance(written, Written):
+            self.update_ontologies(transaction)
+            if self._ontologies is not None:
+                seeds.save(key, seeds.Seed(transaction.files(), *written.so_far(graph.value), self._ontologies.packed))
+
+    @property
+    def _ontology(self) -> NamedNode:
+        """The graph of the ontologies."""
+        return NamedNode(Iris(self._settings.base).graph("ontology"))
+
     def outdated(self) -> bool:
         """Return whether the ontologies in the settings differ from those in the store; raises KG002."""
         cache = self._store.layout.cache
@@ -239,7 +270,9 @@ class Inference:
             GraphError: KG601 for a file that cannot be read, without `problems`.
             UsageError: KG002 for a folder or file of the settings that does not exist.
         """
-        cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
+        if self._ontologies is not None:  # by `begin`
+            return
+        cache, graph = self._store.layout.cache, self._ontology
         given, present = _written_ontologies(cache), graph in transaction.graphs()
         digest_now = ontology_digest(self._settings, cache)
         if present and not anew and (given is None or given.digest == digest_now):

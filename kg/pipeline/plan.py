@@ -95,18 +95,20 @@ def code_version(model: str, folder: Path | None = None) -> str:
     package = Path(__file__).resolve().parent.parent
     knowledge = [path for path in resources.folder("ontology").iterdir() if path.suffix != ".ttl"]  # only used by rules
     own = [*(package / name for name in CODE), *sorted(knowledge)]
-    files = (*(state for root in own for state in states(root)), *installations())
-    place = folder and folder / _VERSION
+    files, place = tuple(state for root in own for state in states(root)), folder and folder / _VERSION
 
-    text = cached_text(place, files, sys.version, lambda: unless_changed(_code_digest, tuple(own), seen=files))
+    def compute() -> str:
+        libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
+        return _digest([unless_changed(_contents, tuple(own), seen=files), *libraries])
+
+    text = cached_text(place, (*files, *installations()), sys.version, compute)
     return _digest([text, sys.version, identity(model)])
 
 
 @lru_cache(maxsize=1)
-def _code_digest(own: tuple[Path, ...], _seen: tuple[FileState, ...]) -> str:
-    """Return a digest of the contents of files and folders, and of the libraries; cached in this process."""
-    libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
-    return _digest([resources.digest(own), *libraries])
+def _contents(own: tuple[Path, ...], _seen: tuple[FileState, ...]) -> str:
+    """Return a digest of the contents of files and folders, cached in this process."""
+    return resources.digest(own)
 
 
 def shape(sources: Iterable[Source]) -> str:

@@ -26,6 +26,7 @@ from kg.rules.reading import Pack, discover, packs, rule_files
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated
+from kg.store.layout import user_cache
 from kg.store.terms import cells
 from kg.syntax.names import PREFIXES
 
@@ -63,6 +64,8 @@ _DIGEST: Final = "rules-digest"
 """Cache file with the digest of the rules; below: whether packs are installed, digest of ontologies."""
 _PACKS: Final = "packs"
 _ONTOLOGY_DIGEST: Final = "ontologies-digest"
+_RULES: Final = "rules"
+"""Folder of the user's cache with the rules that `kg` brings along, for the next new store."""
 
 _Found = tuple[RuleSet, tuple[RuleError, ...]]
 """Rules, and the errors of unusable files."""
@@ -257,22 +260,40 @@ def rules_over(  # noqa: PLR0913 - selects rules and their cache
 @lru_cache(maxsize=2)
 def _cached_rules(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
     """Return the rules of `_cut`, reduced to what evaluation needs, from the folder `cache` if they are there."""
-    whole = f"{selection.key()} {axioms!r}"
+    whole = _whole(selection, axioms)
     before = compiled.load(cache, whole)
     if before is not None:
         return before, ()
-    rules, broken = _cut(selection, axioms)
-    if broken:
-        return rules, broken
     packed = _packed(selection, axioms)
+    if packed is None:
+        return _cut(selection, axioms)
     with translated(str(cache)):
         return compiled.write(cache, whole, packed), ()
 
 
+def _whole(selection: _Selection, axioms: bytes) -> str:
+    return f"{selection.key()} {axioms!r}"
+
+
 @lru_cache(maxsize=1)
-def _packed(selection: _Selection, axioms: bytes) -> compiled.Packed:
-    """Return compiled rules, cached in this process for other stores."""
-    return compiled.pack(_cut(selection, axioms)[0])
+def _packed(selection: _Selection, axioms: bytes) -> compiled.Packed | None:
+    """Return compiled rules, None if a file is unusable.
+
+    They are cached in this process for other stores, and for other processes in the user's cache unless the user has
+    rules.
+    """
+    whole, shared = _whole(selection, axioms), selection.folders == (resources.folder("rules"),)
+    with suppress(OSError, RuntimeError):  # the home folder may be unknown
+        if shared and (before := compiled.packed(user_cache() / _RULES, whole)):
+            return before
+    rules, broken = _cut(selection, axioms)
+    if broken:
+        return None
+    packed = compiled.pack(rules)
+    if shared:
+        with suppress(OSError, RuntimeError):
+            compiled.write(user_cache() / _RULES, whole, packed)
+    return packed
 
 
 @lru_cache(maxsize=1)

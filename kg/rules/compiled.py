@@ -90,15 +90,21 @@ def load(cache: Path, mark: str, *, cut: bool = True) -> RuleSet | None:
 
     They are in one file without text or documentation.
     """
+    found = packed(cache, mark, cut=cut)
+    return found.rules if found else None
+
+
+def packed(cache: Path, mark: str, *, cut: bool = True) -> Packed | None:
+    """Return what `load` returns, with its content."""
     try:
         content = (cache / (_NAME if cut else _UNCUT)).read_bytes()
     except OSError:
         return None
-    head, packed = content[: 2 * _BYTES], content[2 * _BYTES :]
-    if head != _digest(mark.encode()) + _digest(packed):
+    head, rest = content[: 2 * _BYTES], content[2 * _BYTES :]
+    if head != _digest(mark.encode()) + _digest(rest):
         return None
     try:
-        return _together(*_Reader(io.BytesIO(packed)).load())
+        return Packed(_together(*_Reader(io.BytesIO(rest)).load()), rest)
     except (pickle.UnpicklingError, AttributeError, TypeError, ValueError):
         return None
 

@@ -16,6 +16,7 @@ from kg.store.files import opened
 from kg.store.terms import BLANK_MARK, parts_of_lines, split_blank
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
@@ -36,6 +37,19 @@ class Written(Changes):
         self._graph = ""
         self._waiting: list[bytes] = []
         self._bytes = 0
+
+    def begin(self, graph: str, terms: Sequence[bytes], columns: Mapping[int, bytes]) -> None:
+        """Begin with the content of a graph, as `so_far` returned it, before anything else is noted."""
+        super().replace(graph)
+        self._dictionary = Dictionary.of(terms, self._pages)
+        self._columns = {graph: {predicate: [np.frombuffer(keys, np.int64)] for predicate, keys in columns.items()}}
+
+    def so_far(self, graph: str) -> tuple[list[bytes], dict[int, bytes]]:
+        """Return the terms noted so far, and the pairs of each predicate of a graph; both are known."""
+        self._read()
+        columns = gathered((self._columns or {}).get(graph, {}))
+        terms = self._dictionary.spellings(range(1, len(self._dictionary)))
+        return terms, {predicate: keys.tobytes() for predicate, keys in columns}
 
     def forget(self) -> None:
         """Note that any graph may have changed."""

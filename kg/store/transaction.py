@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import shutil
 from contextlib import contextmanager
+from pathlib import Path
 from typing import IO, TYPE_CHECKING, cast
 
 from pyoxigraph import (
@@ -31,12 +32,11 @@ from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.files import reading, required_format_of
-from kg.store.layout import Layout, folder_bytes
+from kg.store.layout import Layout, folder_bytes, write_atomically
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
 
     from pyoxigraph import Triple
 
@@ -104,6 +104,28 @@ class EmbeddedTransaction:
                 snapshot.backup(folder)
             self._db = Store(folder)
         self.changes.forget()
+
+    def start_with(self, files: Mapping[str, bytes]) -> None:
+        """Begin with the files of a database, as `files` returns them, in a store without data.
+
+        The caller notes the graphs in `changes`.
+        """
+        folder = self._layout.generation(self._number)
+        with translated(str(self._layout.root)):
+            folder.mkdir(parents=True)
+            for name, content in files.items():
+                write_atomically(folder / Path(name).name, content)
+            self._db = Store(str(folder))
+
+    def files(self) -> dict[str, bytes]:
+        """Return the files of the database at this point. No iterator over the content may be in use."""
+        folder = self._layout.generation(self._number)
+        with self._begun():
+            self._engine.flush()
+            self._db = None
+            found = {path.name: path.read_bytes() for path in folder.iterdir() if not path.name.startswith("LO")}
+            self._db = Store(str(folder))
+        return found
 
     def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
         """Replace the content of each named graph by chunks of N-Triples, each of whole lines.

@@ -11,7 +11,7 @@ from forks import EXTRACTING, fork_extractors
 from pyoxigraph import RdfFormat
 from workspaces import prepare_builds
 
-from kg.pipeline import inferring
+from kg.pipeline import inferring, seed
 from kg.pipeline.build import build
 from kg.pipeline.calls import call_files, read_calls
 from kg.settings import load
@@ -48,6 +48,7 @@ _ONTOLOGY = b'<urn:x:a> <http://www.w3.org/2000/01/rdf-schema#label> "a" .\n'
 def few_ontologies() -> Iterator[None]:
     """Let builds write nearly empty ontologies, for tests of what rules do not read."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(seed, "load", lambda _: None)
         patch.setattr(inferring, "_in_force", lambda *_: _ONTOLOGY)
         yield
 

@@ -19,7 +19,7 @@ from pyoxigraph import RdfFormat
 
 from kg.corpus.workspace import scan_tree
 from kg.graph.vocabulary import PREFIXES
-from kg.pipeline import inferring, pool, writing
+from kg.pipeline import inferring, pool, seed, writing
 from kg.pipeline.build import build
 from kg.pipeline.pending import pending
 from kg.pipeline.recording import RecordingWorkspace
@@ -269,6 +269,7 @@ def contents(variants: Mapping[str, int]) -> dict[str, str | None]:
 @pytest.fixture(autouse=True)
 def _no_ontology(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the ontologies, which are not compared and take most of the time."""
+    monkeypatch.setattr(seed, "load", lambda _: None)
     monkeypatch.setattr(inferring, "_in_force", lambda *_: b"")
 
 

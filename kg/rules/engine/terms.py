@@ -177,9 +177,9 @@ class Dictionary:
         self._parts: dict[int, tuple[int, int, int]] = {}
 
     @classmethod
-    def of(cls, spellings: Sequence[bytes]) -> Dictionary:
-        """Return a dictionary of different terms, with identifiers in their order."""
-        dictionary = cls()
+    def of(cls, spellings: Sequence[bytes], pages: Pages | None = None) -> Dictionary:
+        """Return a dictionary of different terms, with identifiers in their order; `pages` as of a new one."""
+        dictionary = cls(pages=pages)
         dictionary._identifiers.recent += spellings
         dictionary._identifiers.update(zip(spellings, range(1, len(spellings) + 1), strict=True))
         return dictionary
