@@ -17,7 +17,7 @@ from pyoxigraph import NamedNode
 from kg.errors import guarded
 from kg.facts import LaunchConfiguration, LaunchProblem, LaunchProblemKind, Location, NodeReference, System
 from kg.graph import vocabulary as v
-from kg.graph.reading.nodes import NodeRecord, Queryable, data_files, node_records, programs
+from kg.graph.reading.nodes import NodeRecord, data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
 from kg.launch.wiring.systems import wire
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from kg.graph.iris import Iris
     from kg.pipeline.plan import Key
+    from kg.store.interface import Queryable
     from kg.store.transaction import EmbeddedTransaction
 
 _SMALL: Final = 2
