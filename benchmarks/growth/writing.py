@@ -13,10 +13,9 @@ from kg.facts import NodeReference
 from kg.graph.builds import BuildRecord, build_triples, count
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
-from kg.graph.packages import package_parts
+from kg.graph.packages import package_parts, repository_triples
 from kg.graph.reading.nodes import NodeRecord
 from kg.graph.shared import SHARED, split
-from kg.graph.sources import repository_triples
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
 from kg.launch.wiring.systems import wire

@@ -6,10 +6,12 @@ import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import wraps
+from pathlib import Path
 from typing import Annotated, Any, Final, TypeVar
 
 import typer
 
+from kg import forms
 from kg.cli.completion import launches, packages, rules
 from kg.codes import SEVERITIES
 from kg.errors import UsageError
@@ -264,13 +266,9 @@ def _positive(text: str, option: str, what: str, hint: str, least: float = 0.0) 
     return number
 
 
-_UNITS: Final = {"k": 10, "m": 20, "g": 30}
-
-
 def size(text: str, option: str) -> int:
     """Return the number of bytes of `option` (`800`, `500K`, `4M`, `1G`); UsageError KG003 if it is invalid."""
-    unit = _UNITS.get(text[-1:].lower())
-    digits = text[:-1] if unit else text
-    if not digits.isdecimal() or not int(digits):
-        raise UsageError("KG003", f"`{option} {text}` is not a size", hint="Write bytes, or 500K, 4M, 1G.")
-    return int(digits) << (unit or 0)
+    try:
+        return forms.size(text, Path())
+    except forms.FormError:
+        raise UsageError("KG003", f"`{option} {text}` is not a size", hint="Write bytes, or 500K, 4M, 1G.") from None

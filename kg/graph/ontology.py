@@ -15,20 +15,18 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
+import pyshacl
 from pyoxigraph import NamedNode, RdfFormat, Triple, parse
+from rdflib import RDF, BNode, Graph, URIRef
 
 from kg.errors import GraphError
 from kg.graph import vocabulary as v
 from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
-from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
-
-with lazily():
-    from kg.graph.shacl import findings
 
 _IMPORTS: Final = b"<http://www.w3.org/2002/07/owl#imports>"
 _NOTHING: Final = v.OWL + "Nothing"
@@ -237,3 +235,44 @@ def _gist(report: str) -> str:
     lines = [line.strip() for line in report.splitlines() if line.strip()]
     telling = next((line for line in lines if "Exception" in line or "Error" in line), lines[0] if lines else "")
     return telling.rpartition("Exception: ")[2]
+
+
+_SHACL: Final = "http://www.w3.org/ns/shacl#"
+
+
+def findings(triples: bytes, shapes: bytes) -> tuple[ShapeFinding, ...]:
+    """Return where the data `triples` does not conform to `shapes`, both N-Triples, sorted by place and message.
+
+    Raise `GraphError` KG601 when either does not parse or the shapes are not valid SHACL.
+    """
+    _conforms, report, _text = pyshacl.validate(_graph(triples), shacl_graph=_graph(shapes), inference="none")
+    if not isinstance(report, Graph):
+        raise GraphError("KG601", str(report))
+    results = report.subjects(RDF.type, URIRef(f"{_SHACL}ValidationResult"))
+    results_read = (_finding(report, each) for each in results)
+    return tuple(sorted(results_read, key=lambda each: (each.focus, each.message, each.value or "")))
+
+
+def _graph(triples: bytes) -> Graph:
+    try:
+        return Graph().parse(data=triples, format="nt")
+    except Exception as error:
+        raise GraphError("KG601", str(error)) from error
+
+
+def _finding(report: Graph, result: Any) -> ShapeFinding:
+    def value(name: str) -> Any:
+        return report.value(result, URIRef(_SHACL + name))
+
+    def spelled(name: str) -> str | None:
+        term = value(name)
+        return None if term is None or isinstance(term, BNode) else str(term.n3())
+
+    return ShapeFinding(
+        severity=str(value("resultSeverity")).removeprefix(_SHACL).lower(),
+        message=str(value("resultMessage") or value("sourceConstraintComponent")),
+        focus=spelled("focusNode") or "",
+        path=spelled("resultPath"),
+        value=spelled("value"),
+        shape=spelled("sourceShape"),
+    )

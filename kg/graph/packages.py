@@ -1,4 +1,4 @@
-"""A package with all that was read of it becomes the triples of its source's graph."""
+"""A source, and each of its packages with all that was read of it, become the triples of the source's graph."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Final
 from kg.graph import vocabulary as v
 from kg.graph.definitions import definition
 from kg.graph.nodes import Stated, node
-from kg.graph.ntriples import integer, literal
+from kg.graph.ntriples import boolean, integer, literal
 from kg.graph.scope import Scope
 from kg.graph.snippets import snippets
 from kg.graph.texts import descriptions
 from kg.resources import table_of
 
 if TYPE_CHECKING:
-    from kg.facts import Package, PackageFacts, Person, Problem, SourceFile
+    from collections.abc import Iterable
+
+    from kg.facts import Package, PackageFacts, Person, Problem, Repository, SourceFile
     from kg.graph.iris import Iris
 
 
@@ -135,3 +137,19 @@ def problem(scope: Scope, owner: str, fact: Problem) -> None:
     writer.add(part, v.PATH, literal(fact.path))
     writer.add(part, v.DECLARED_IN, scope.file(fact.path))
     writer.number(part, v.LINE, fact.line)
+
+
+def repository_triples(repository: Repository, iris: Iris, problems: Iterable[Problem] = ()) -> bytes:
+    """Return the N-Triples about a source itself; `problems` are those that belong to none of its packages."""
+    scope = Scope(iris, repository.name, "")
+    iri, writer = iris.repository(repository.name), scope.writer
+    subject = f"<{iri}>"
+    writer.described(subject, repository.name, v.REPOSITORY, v.SOURCE_CODE)
+    writer.add(subject, v.NAME, literal(repository.name))
+    writer.text(subject, v.COMMIT, repository.commit)
+    writer.text(subject, v.BRANCH, repository.branch)
+    writer.text(subject, v.REMOTE, repository.remote)
+    writer.add(subject, v.DIRTY, boolean(repository.dirty))
+    for each in problems:
+        problem(scope, iri, each)
+    return writer.encoded()

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.facts import Snippet
-    from kg.graph.reading.nodes import Queryable
     from kg.graph.scope import Scope
+    from kg.store.interface import Queryable
 
 _BETWEEN: Final = ": "
 _REPOSITORY: Final = "SELECT ?iri { ?iri a rnkg:Repository ; rnkg:name %s }"

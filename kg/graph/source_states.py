@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.graph.fields import Properties
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
 
 _BUILDS: Final = """
 SELECT ?name ?build ?started ?commit ?dirty ?root ?version WHERE {

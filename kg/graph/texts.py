@@ -14,8 +14,8 @@ from kg.graph.reading.queries import texts
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.graph.reading.nodes import Queryable
     from kg.graph.scope import Scope
+    from kg.store.interface import Queryable
 
 _DESCRIPTIONS: Final = """
 SELECT ?node ?text ?kind ?path ?line ?heading WHERE {

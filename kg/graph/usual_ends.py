@@ -18,7 +18,8 @@ from kg.launch.wiring.place import Place
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
+
 
 _MET: Final = """
 SELECT DISTINCT ?system ?channel ?name WHERE {

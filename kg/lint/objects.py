@@ -5,14 +5,17 @@ from __future__ import annotations
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
-from xml.sax.saxutils import escape, quoteattr
 
+from kg.lazily import lazily
 from kg.render.sarif import Remark, Spot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.lint.finding import Evidence, Finding
+
+with lazily():
+    from xml.sax.saxutils import escape, quoteattr  # with a client of HTTP
 
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _SUFFIX: Final = ".xunit.xml"

@@ -18,7 +18,7 @@ from kg.lint.finding import Evidence, Finding
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
 
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})

@@ -29,12 +29,12 @@ from kg.store.opening import existing, reading, writable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.graph.reading.nodes import Queryable
     from kg.lint.finding import Finding
     from kg.lint.question import Question
     from kg.pipeline.report import BuildReport
     from kg.pipeline.report import Report as Progress
     from kg.store.embedded import EmbeddedStore
+    from kg.store.interface import Queryable
 
 with lazily():
     from kg.pipeline.build import build

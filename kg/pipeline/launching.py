@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.facts import System
-    from kg.graph.reading.nodes import Queryable
     from kg.launch.wiring.types import NodeTypes
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
+    from kg.store.interface import Queryable
     from kg.store.transaction import EmbeddedTransaction
 
 with lazily():

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.graph import vocabulary as v
-from kg.graph.reading.nodes import NodeRecord, Queryable, data_files, node_records, programs
+from kg.graph.reading.nodes import NodeRecord, data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from kg.graph.iris import Iris
     from kg.pipeline.plan import Key
     from kg.pipeline.pool import Pool
+    from kg.store.interface import Queryable
     from kg.store.transaction import EmbeddedTransaction
 
 _SMALL: Final = 2

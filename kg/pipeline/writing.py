@@ -18,7 +18,7 @@ from kg.errors import Place, StoreError
 from kg.graph import vocabulary as v
 from kg.graph.builds import BuildRecord, Counts, build_triples
 from kg.graph.iris import Iris
-from kg.graph.sources import repository_triples
+from kg.graph.packages import repository_triples
 from kg.pipeline import cache
 from kg.pipeline.sharing import keep_shared, patch_shared
 from kg.pipeline.state import PackageState, SourceState, State, discard

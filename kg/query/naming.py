@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from itertools import product
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from pyoxigraph import (
     BlankNode,
     Literal,
     NamedNode,
-    QueryBoolean,
-    QuerySolutions,
-    QueryTriples,
     RdfFormat,
     Triple,
     parse,
@@ -24,6 +21,8 @@ from kg.syntax.names import PREFIXES, RDF_TYPE, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from kg.store.interface import Queryable
 
     _Term: TypeAlias = NamedNode | BlankNode | Literal
 
@@ -49,18 +48,8 @@ _PROPERTIES: Final = "SELECT DISTINCT ?name WHERE { ?s ?name ?o }"
 _ALL_PROPERTIES: Final = "`kg query 'SELECT DISTINCT ?p { ?s ?p ?o }'` lists the properties that the store has."
 
 
-class Askable(Protocol):
-    """The methods of a snapshot used to look up names."""
-
-    def query(
-        self, text: str, *, prefixes: Mapping[str, str] | None = None
-    ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a query over the union of all graphs."""
-        ...
-
-
 def facts(
-    snapshot: Askable, subject: str, predicate: str, value: str, *, prefixes: Mapping[str, str] = PREFIXES
+    snapshot: Queryable, subject: str, predicate: str, value: str, *, prefixes: Mapping[str, str] = PREFIXES
 ) -> tuple[list[Triple], bool]:
     """Return the facts that three typed words may mean, and whether the store holds them.
 
@@ -116,7 +105,7 @@ def facts(
     return _triples(subjects, predicates, values), False
 
 
-def _stored(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
+def _stored(snapshot: Queryable, facts: list[Triple]) -> list[Triple]:
     """Return those facts that the store holds, each once."""
     stored: set[Triple] = set()
     for predicate in dict.fromkeys(fact.predicate for fact in facts):
@@ -133,7 +122,7 @@ def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = Non
     return " UNION ".join(f"{{ {pattern.format(one, listed)} }}" for one in predicates)
 
 
-def _exactly(snapshot: Askable, word: str, candidates: list[_Term]) -> list[_Term]:
+def _exactly(snapshot: Queryable, word: str, candidates: list[_Term]) -> list[_Term]:
     """Return the things with exactly this name, or all if none has it."""
     named = _named(snapshot, word) if len(candidates) > 1 else []
     return [term for term in candidates if term in named] or candidates
@@ -153,7 +142,7 @@ def _system(term: NamedNode) -> str:
     return whole if "/configuration/" in whole else ""
 
 
-def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]) -> None:
+def _check_used(snapshot: Queryable, predicate: _Term, prefixes: Mapping[str, str]) -> None:
     """Raise KG001 for a property without triples: it cannot resolve ambiguous names, and is often misspelt."""
     if isinstance(predicate, NamedNode) and not snapshot.query(f"ASK {{ ?s {predicate} ?o }}"):
         rows: Any = snapshot.query(_PROPERTIES)
@@ -171,7 +160,7 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
 
 
 def _used_with(
-    snapshot: Askable, word: str, candidates: list[_Term], places: list[str], prefixes: Mapping[str, str]
+    snapshot: Queryable, word: str, candidates: list[_Term], places: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
     """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
 
@@ -191,13 +180,13 @@ def _used_with(
     return _alike(snapshot, every, _KINDS.format(other, "")) or every
 
 
-def _passing(snapshot: Askable, candidates: Sequence[_Term], test: str) -> list[_Term]:
+def _passing(snapshot: Queryable, candidates: Sequence[_Term], test: str) -> list[_Term]:
     """Return the IRIs for which a pattern of `?t` has a match in the store."""
     iris = [one for one in candidates if isinstance(one, NamedNode)]
     return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
 
 
-def _alike(snapshot: Askable, candidates: Sequence[_Term], query: str) -> list[_Term]:
+def _alike(snapshot: Queryable, candidates: Sequence[_Term], query: str) -> list[_Term]:
     """Return those IRIs that are of one of the kinds that a query finds."""
     rows: Any = snapshot.query(query)
     kinds = {row[0] for row in rows}
@@ -208,7 +197,7 @@ def _alike(snapshot: Askable, candidates: Sequence[_Term], query: str) -> list[_
 
 
 def terms(
-    snapshot: Askable,
+    snapshot: Queryable,
     word: str,
     *,
     property_: bool = False,
@@ -250,7 +239,7 @@ def _literal(word: str) -> Literal:
     return cast("Literal", term)
 
 
-def _property(snapshot: Askable, word: str) -> list[NamedNode]:
+def _property(snapshot: Queryable, word: str) -> list[NamedNode]:
     """Return the properties that end in `word`: with a known prefix, or else all in the store."""
     if re.fullmatch(r"[\w.-]+", word):
         prefixed = [NamedNode(namespace + word) for namespace in PREFIXES.values()]
@@ -265,14 +254,14 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
     return matches
 
 
-def _named(snapshot: Askable, word: str, *others: str) -> list[NamedNode]:
+def _named(snapshot: Queryable, word: str, *others: str) -> list[NamedNode]:
     """Return the things with exactly this name, or one of some other names."""
     names = [Literal(word), Literal(word, language="en"), *map(Literal, others)]
     rows: Any = snapshot.query(_CALLED % " ".join(map(str, names)), prefixes=PREFIXES)
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
-def _called(snapshot: Askable, word: str, among: str | None) -> list[_Term]:
+def _called(snapshot: Queryable, word: str, among: str | None) -> list[_Term]:
     """Return the things called `word`, or whose IRI ends in it; see `terms`."""
     things = _named(snapshot, word, f"/{word}")  # ROS names may be typed without their leading slash
     if among is not None:

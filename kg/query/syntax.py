@@ -59,7 +59,7 @@ def syntax_error(
     """
     lexed = list(tokens(text))
     special = _open_quote(lexed, text, path) or _broken_iri(lexed, text, path) or _undeclared(lexed, text, path)
-    special = special or (_no_update if parse_update else _no_query)(lexed, text, path)
+    special = special or _begins_otherwise(lexed, text, path, update=parse_update is not None)
     if special:
         return special
     match = _POSITION.match(error.msg)
@@ -227,30 +227,21 @@ def _undeclared(lexed: list[Token], text: str, path: str) -> QueryError | None:
     return None
 
 
-def _no_query(lexed: list[Token], text: str, path: str) -> QueryError | None:
-    """Return the error about a text that does not begin with a query form."""
+def _begins_otherwise(lexed: list[Token], text: str, path: str, *, update: bool) -> QueryError | None:
+    """Return the error about a text that does not begin with a query form, or for an `update` with an operation."""
     token = _after_prologue(lexed)
     if token is None:
-        return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_BEGINNINGS)
-    if token.text.upper() in _FORMS:
+        empty = QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_BEGINNINGS)
+        return None if update else empty
+    wanted, others, hint = (_UPDATES, _FORMS, _OPERATIONS) if update else (_FORMS, _UPDATES, _BEGINNINGS)
+    what, other = ("an update", "a query") if update else ("a query", "an update")
+    if token.text.upper() in wanted:
         return None
     place = place_at(text, token.start, path, token.end)
-    if token.text.upper() in _UPDATES:
-        return QueryError("KG501", "this is an update, not a query", place=place, hint=_BEGINNINGS)
-    hint = did_you_mean(token.text, (*_FORMS, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
-    return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _BEGINNINGS)
-
-
-def _no_update(lexed: list[Token], text: str, path: str) -> QueryError | None:
-    """Return the error about a text that does not begin with an update operation."""
-    token = _after_prologue(lexed)
-    if token is None or token.text.upper() in _UPDATES:
-        return None
-    place = place_at(text, token.start, path, token.end)
-    if token.text.upper() in _FORMS:
-        return QueryError("KG501", "this is a query, not an update", place=place, hint=_OPERATIONS)
-    hint = did_you_mean(token.text, (*_UPDATES, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
-    return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint or _OPERATIONS)
+    if token.text.upper() in others:
+        return QueryError("KG501", f"this is {other}, not {what}", place=place, hint=hint)
+    near = did_you_mean(token.text, (*wanted, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
+    return QueryError("KG501", f"{what} does not begin with `{token.text}`", place=place, hint=near or hint)
 
 
 def _after_prologue(lexed: list[Token]) -> Token | None:

@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import msgspec
 import pyoxigraph
@@ -29,19 +29,13 @@ if TYPE_CHECKING:
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
+    from kg.store.interface import Queryable
     from kg.store.snapshot import EmbeddedSnapshot
 
 _SKOS_ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _PARTS: Final = {"read": frozenset({"response", "result", "feedback"}), "write": frozenset({"request", "goal"})}
 """The parts of services and actions that hold the values of capabilities, by modality."""
 _TYPES: Final = frozenset({"number", "integer", "boolean", "text", "list"})
-
-
-class Askable(Protocol):
-    """A target of SPARQL queries: a snapshot, a transaction, a store in memory."""
-
-    def query(self, text: str, /, *, prefixes: Mapping[str, str] | None = None) -> Any:
-        """Run a query over all graphs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +91,7 @@ class Definition:
         return constants
 
 
-def definitions(graph: Askable) -> dict[str, Definition]:
+def definitions(graph: Queryable) -> dict[str, Definition]:
     """Return the capabilities that a graph with ontologies defines, by IRI."""
     content = grouped(values(graph.query(internal("capability-definitions"), prefixes=PREFIXES)))
     kinds = _Kinds(graph)
@@ -178,7 +172,7 @@ def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str])
 
 
 class _Kinds:
-    def __init__(self, graph: Askable) -> None:
+    def __init__(self, graph: Queryable) -> None:
         self._labels: dict[str, str] = {}
         self._broader: dict[str, set[str]] = {}
         for row in graph.query(internal("capability-kinds"), prefixes=PREFIXES):
@@ -206,17 +200,17 @@ _KINDS: Final[Mapping[str, Literal["topic", "service", "action"]]] = {
 }
 
 
-def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
+def capabilities_of(graph: Queryable, whole: str, of: str) -> Capabilities:
     """Return the inferred capabilities of the system or package with the IRI `whole`; `of` is its name."""
     return read(graph, whole, of, definitions(graph))
 
 
-def capability_labels(graph: Askable, whole: str) -> dict[str, str]:
+def capability_labels(graph: Queryable, whole: str) -> dict[str, str]:
     """Return the IRIs of the capabilities of the system or package with the IRI `whole`, with their labels."""
     return {row["capability"].value: row["label"].value for row in _rows(graph, "capability-holders", whole)}
 
 
-def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
+def read(graph: Queryable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
     """Return the capabilities, given definitions that were read before."""
     having = {iri for iri in capability_labels(graph, whole) if iri in known}
     ways: defaultdict[str, dict[tuple[str, str, str, str], set[str]]] = defaultdict(dict)
@@ -234,7 +228,7 @@ def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -
     return Capabilities(of=of, capabilities=tuple(sorted(every, key=lambda one: (one.kinds, one.label, one.iri))))
 
 
-def _rows(graph: Askable, name: str, whole: str) -> Iterable[Any]:
+def _rows(graph: Queryable, name: str, whole: str) -> Iterable[Any]:
     rows: Iterable[Any] = graph.query(bind(internal(name), {"whole": NamedNode(whole)}), prefixes=PREFIXES)
     return rows
 
@@ -305,7 +299,9 @@ def find(capabilities: Capabilities, name: str) -> Capability:
     raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, names))
 
 
-def proofs(graph: Askable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability) -> Iterator[Proof]:
+def proofs(
+    graph: Queryable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability
+) -> Iterator[Proof]:
     """Yield the shortest proof of a capability for each node of a system or package that has it.
 
     `view` is the graph as explanations with these rules see it. Raises RuleError KG226 if rules do not infer it.

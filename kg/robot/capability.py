@@ -50,6 +50,11 @@ class Way(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     constants: dict[str, float | bool | str] = {}
     rate: float = 0
 
+    @property
+    def sent(self) -> str:
+        """The type of the message, request or goal by which it is used."""
+        return self.type + {"topic": "", "service": "_Request", "action": "_Goal"}[self.kind]
+
 
 class Capability(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A capability of a system or a package.

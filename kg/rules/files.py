@@ -22,14 +22,18 @@ A header has the same form in the three notations, all of which begin comments w
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
+from kg.codes import SEVERITIES
+from kg.errors import Fix, Place, RuleError
+from kg.similar import similar, suggest
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
     from pathlib import Path
 
     from pyoxigraph import Triple
@@ -126,3 +130,66 @@ class RuleSet:
     def data(self) -> tuple[Triple, ...]:
         """The triples that files state."""
         return tuple(triple for file in self.files for triple in file.data)
+
+
+_KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
+
+
+def parse_header(text: str, path: str) -> Documentation:
+    """Return the documentation in the comments that a text begins with; an empty one when it begins with none.
+
+    Raises RuleError: KG206 for a heading that is unknown or appears twice, and for a severity that there is not.
+    """
+    title = ""
+    sections: dict[str, list[str]] = {}
+    keys: dict[str, str] = {}
+    section: list[str] | None = None
+    for number, line, column, whole in _comments(text):
+        place = Place(path, number, column, whole)
+        if line.startswith("## "):
+            section = sections.setdefault(_heading(line[3:].strip(), sections, place), [])
+        elif match := _KEY.fullmatch(line):
+            keys[match[1]] = _value(match[1], match[2], place)
+            section = None
+        elif section is not None:
+            section.append(line)
+        elif not title:
+            title = line.strip()
+    written = {heading: "\n".join(lines).strip("\n") for heading, lines in sections.items()}
+    return Documentation(title, written, keys.get("since"), keys.get("severity"))
+
+
+def _comments(text: str) -> list[tuple[int, str, int, str]]:
+    """Return the lines of the header: number, what is behind the comment sign, the column of that, all of the line."""
+    comments: list[tuple[int, str, int, str]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("#"):
+            comments.append((number, line[1:].removeprefix(" ").rstrip(), 3, line))
+        elif comments or line.strip():
+            break
+    return comments
+
+
+def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
+    if heading not in HEADINGS:
+        raise _unknown("heading", heading, f"The headings are: {', '.join(HEADINGS)}.", HEADINGS, place)
+    if heading in before:
+        raise RuleError("KG206", f"the heading `{heading}` appears twice", place=place, hint="Join the two parts.")
+    return heading
+
+
+def _unknown(what: str, written: str, hint: str, valid: Iterable[str], place: Place) -> RuleError:
+    """Return the error about a word in the line of a place that is none of those known."""
+    near = similar(written, valid)
+    start = (place.excerpt or "").rfind(written) + 1
+    word = replace(place, column=start, end_line=place.line, end_column=start + len(written))
+    fixes = [Fix(each, word) for each in near]
+    return RuleError("KG206", f"unknown {what} `{written}`", place=place, hint=suggest(near) or hint, fixes=fixes)
+
+
+def _value(key: str, value: str, place: Place) -> str:
+    if key == "severity" and value not in SEVERITIES:
+        raise _unknown("severity", value, f"The severities are: {', '.join(SEVERITIES)}.", SEVERITIES, place)
+    if not value:
+        raise RuleError("KG206", f"`{key}:` has no value", place=place, hint="Write the version, as in `since: 0.2`.")
+    return value

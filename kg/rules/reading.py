@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
 from kg.lazily import lazily
-from kg.rules.files import NOTATIONS, Documentation, RuleFile, RuleSet, family_of
-from kg.rules.header import parse_header
+from kg.rules.files import NOTATIONS, Documentation, RuleFile, RuleSet, family_of, parse_header
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -135,20 +134,42 @@ def discover(
         RuleError: KG207 for two files of one name, and what `read` raises; with `broken` such files are left out, and
             the errors are added to it.
     """
-    files: dict[str, RuleFile] = {}
-    sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
-    for folder, pack in sources:
+    files = []
+    for _, _, result in read_each(folders, installed, families):
+        if isinstance(result, RuleFile):
+            files.append(result)
+        elif result:
+            if broken is None:
+                raise result
+            broken.append(result)
+    return RuleSet(tuple(_once(sorted(files, key=lambda file: file.name))))
+
+
+def read_each(
+    folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()
+) -> Iterator[tuple[Path, str, RuleFile | RuleError | None]]:
+    """Yield each rule file of some packs and folders, its name, and what it has or why it is not used.
+
+    None for a copy of one before. Raises RuleError KG231 for a folder that is not there or is closed.
+    """
+    paths: dict[str, Path] = {}
+    for folder, pack in sources(folders, installed):
         for path, name in rule_files(folder, families):
+            if name in paths:
+                yield path, name, rival(path, name, paths[name])
+                continue
             try:
-                if name not in files:
-                    files[name] = read(path, name, pack=pack)
-                elif problem := rival(path, name, files[name].path):
-                    raise problem
+                file = read(path, name, pack=pack)
             except RuleError as error:
-                if broken is None:
-                    raise
-                broken.append(error)
-    return RuleSet(tuple(_once([files[name] for name in sorted(files)])))
+                yield path, name, error
+            else:
+                paths[name] = path
+                yield path, name, file
+
+
+def sources(folders: Iterable[Path], installed: Iterable[Pack]) -> list[tuple[Path, str]]:
+    """Return folders of rules in the order in which they are read, each with the name of its pack, empty for none."""
+    return [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
 
 
 def rival(path: Path, name: str, other: Path) -> RuleError | None:

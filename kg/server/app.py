@@ -20,7 +20,6 @@ from kg.query.readers.pool import Readers
 from kg.server import (
     errors,
     graph_store,
-    health,
     jobs,
     methods,
     metrics,
@@ -102,7 +101,7 @@ def create_app(settings: Settings, options: Options) -> Starlette:
 
 def _routes() -> list[BaseRoute]:
     """Return all routes, the most requested first, since they are tried in this order."""
-    watching = (health, metrics, openapi, login, errors)
+    watching = (metrics, openapi, login, errors)
     before = (protocol, protocol_update, graph_store, jobs, *watching, robot, views)
     files = [Mount(f"/{name}", StaticFiles(directory=_FOLDER / name, check_dir=False)) for name in ("static", "vendor")]
     return [*(route for part in before for route in part.ROUTES), *files, *pages.ROUTES]

@@ -1,4 +1,7 @@
-"""`/metrics`: counters of the server for Prometheus."""
+"""For supervisors: `/metrics`, counters for Prometheus, and `/health`, whether the server is alive and has its store.
+
+Neither needs a reader, so they respond under any load.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from prometheus_client import CollectorRegistry, Gauge, ProcessCollector, genera
 from prometheus_client.core import CounterMetricFamily, HistogramMetricFamily
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
 from prometheus_client.utils import floatToGoString
-from starlette.responses import Response
+from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from kg.errors import StoreError
@@ -105,5 +108,35 @@ async def _metrics(request: Request) -> Response:
     return Response(metrics.text(request), headers={"Content-Type": CONTENT_TYPE_LATEST, "Cache-Control": "no-store"})
 
 
-ROUTES: Final = [Route("/metrics", _metrics)]
-"""Addresses that Prometheus reads."""
+async def _health(request: Request) -> Response:
+    """Answer 200 with the snapshot in force, its age in seconds and the readers; 503 when there is no store.
+
+    A store on another server must have answered when it was last looked at, else 502.
+
+    Requests that the server makes itself do not count, as in the list of jobs.
+    """
+    shared = state(request)
+    layout = shared.readers.layout
+    generation = layout.in_force()
+    if generation is None:
+        raise StoreError("KG301", "the store's data has been deleted")
+    following = shared.readers.following
+    if following is not None and following.failure is not None:
+        raise following.failure
+    jobs = sum(not job.own for job in shared.readers.jobs.values())
+    waiting = shared.readers.stats().waiting
+    return JSONResponse(
+        {
+            "status": "ok",
+            "snapshot": str(generation),
+            "age": round(time.time() - layout.pointer.stat().st_mtime, 3),
+            "readers": shared.options.readers,
+            "running": jobs - waiting,
+            "waiting": waiting,
+        },
+        headers={"Cache-Control": "no-store"},
+    )
+
+
+ROUTES: Final = [Route("/metrics", _metrics), Route("/health", _health)]
+"""Addresses for supervisors of the server."""

@@ -6,12 +6,20 @@ of a SPARQL server (`pyoxigraph.parse_query_results`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, RdfFormat
+
+
+class Queryable(Protocol):
+    """What can be asked in SPARQL: a snapshot, a transaction, a store in memory, the columns of a store."""
+
+    def query(self, text: str, /, *, prefixes: Any = None) -> Any:
+        """Run a query over the union of all graphs; `prefixes` is a mapping, for a store in memory a `dict`."""
+        ...
 
 
 class Snapshot(Protocol):

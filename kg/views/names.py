@@ -11,7 +11,8 @@ from kg.similar import unknown
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.graph.reading.nodes import NodeRecord, Queryable
+    from kg.graph.reading.nodes import NodeRecord
+    from kg.store.interface import Queryable
 
 with lazily():
     from kg.graph.reading.nodes import loaded_as, node_names, node_records

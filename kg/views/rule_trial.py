@@ -15,8 +15,7 @@ from kg.rules.authoring.spelling import spell_triple
 from kg.rules.authoring.testing import run_example
 from kg.rules.dependencies import depends, reads
 from kg.rules.engine.heads import new_node
-from kg.rules.explain.derivations import bound_by, derivation_of
-from kg.rules.explain.unify import instance
+from kg.rules.explain.derivations import bound_by, derivation_of, instance
 from kg.rules.form import Exists, Rule, Term, bound_in, is_auxiliary, mentions
 from kg.syntax.names import PREFIXES
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Final
 
+from graph.samples import source_triples
 from pyoxigraph import NamedNode, RdfFormat, parse
 
 from kg.facts import (
@@ -24,7 +25,6 @@ from kg.facts import (
 )
 from kg.graph.builds import BuildRecord, build_triples, count
 from kg.graph.iris import Iris
-from kg.graph.sources import source_triples
 from kg.resources import folder
 from kg.rules.authoring.memory import infer
 from kg.rules.engine.evaluate import Program

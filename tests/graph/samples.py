@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import QuerySolutions, RdfFormat, Store
 
@@ -33,8 +33,11 @@ from kg.facts import (
 )
 from kg.graph.builds import BuildRecord, count
 from kg.graph.iris import Iris
-from kg.graph.sources import source_triples
+from kg.graph.packages import package_triples, repository_triples
 from kg.graph.vocabulary import PREFIXES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 IRIS: Final = Iris()
 BASE: Final = IRIS.base
@@ -44,6 +47,15 @@ REPOSITORY: Final = Repository(
 )
 MAIN: Final = Location("rover_base/src/main.cpp", 10)
 MANIFEST: Final = Location("rover_base/package.xml", 1)
+
+
+def source_triples(
+    repository: Repository, packages: Iterable[PackageFacts], iris: Iris, problems: Iterable[Problem] = ()
+) -> bytes:
+    """Return the N-Triples of the whole graph of a source, the same bytes for the same facts in the same order."""
+    return b"".join(
+        (repository_triples(repository, iris, problems), *(package_triples(each, iris) for each in packages))
+    )
 
 
 def end(role: Role, name: str | None, kind: str | None = None, **more: Any) -> Interface:

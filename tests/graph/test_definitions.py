@@ -1,11 +1,10 @@
 from __future__ import annotations
 
 import pytest
-from graph.samples import IRIS, REPOSITORY, ROVER, loaded, rows, sample, true
+from graph.samples import IRIS, REPOSITORY, ROVER, loaded, rows, sample, source_triples, true
 
 from kg.facts import Field, InterfaceDefinition, Location, Package, PackageFacts
 from kg.graph.definitions import message_of
-from kg.graph.sources import source_triples
 
 
 def test_a_definition_is_of_its_type_and_stands_in_its_file() -> None:

@@ -3,10 +3,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from graph.samples import IRIS, REPOSITORY, ROVER, end, loaded, rows, sample, true
+from graph.samples import IRIS, REPOSITORY, ROVER, end, loaded, rows, sample, source_triples, true
 
 from kg.facts import Location, NodeKind, NodeType, Package, PackageFacts, Qos, Resolution, Role
-from kg.graph.sources import source_triples
 
 NODE = f"<node/{ROVER}/rover_base/driver>"
 

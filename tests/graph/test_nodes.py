@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-from graph.samples import IRIS, MAIN, REPOSITORY, ROVER, loaded, rows, sample, true
+from graph.samples import IRIS, MAIN, REPOSITORY, ROVER, loaded, rows, sample, source_triples, true
 
 from kg.facts import Import, Location, NodeKind, NodeType, Package, PackageFacts
-from kg.graph.sources import source_triples
 
 
 def test_a_node_says_what_it_is_and_where() -> None:

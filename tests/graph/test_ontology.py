@@ -4,13 +4,12 @@ import shutil
 from pathlib import Path
 
 import pytest
-from graph.samples import BUILD, FACTS, IRIS, REPOSITORY, loaded, rows
+from graph.samples import BUILD, FACTS, IRIS, REPOSITORY, loaded, rows, source_triples
 
 from kg.errors import GraphError
 from kg.graph.builds import build_triples
 from kg.graph.ontology import check, classify, validate
 from kg.graph.ontology_files import ONTOLOGIES, ontology_triples, shapes_file
-from kg.graph.sources import source_triples
 
 EXAMPLES = tuple(sorted((Path(__file__).parent / "onto-ros").glob("*.ttl")))
 HEAD = """

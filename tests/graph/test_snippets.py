@@ -9,9 +9,8 @@ from pyoxigraph import NamedNode, RdfFormat, Store
 
 from kg.facts import Repository, Snippet
 from kg.graph.iris import Iris
-from kg.graph.packages import package_triples
+from kg.graph.packages import package_triples, repository_triples
 from kg.graph.snippets import quoted_lines
-from kg.graph.sources import repository_triples
 from kg.store.snapshot import MemorySnapshot
 
 BASE = "https://example.org/kg/"

@@ -1,10 +1,9 @@
 from __future__ import annotations
 
-from graph.samples import FACTS, IRIS, REPOSITORY, ROVER, loaded, rows, sample, true
+from graph.samples import FACTS, IRIS, REPOSITORY, ROVER, loaded, rows, sample, source_triples, true
 
 from kg.facts import Problem, Repository
-from kg.graph.packages import package_triples
-from kg.graph.sources import repository_triples, source_triples
+from kg.graph.packages import package_triples, repository_triples
 
 
 def test_a_repository_says_which_commit_was_read() -> None:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 import pytest
-from graph.samples import BASE, DRIVER, FACTS, IRIS, REPOSITORY, ROVER
+from graph.samples import BASE, DRIVER, FACTS, IRIS, REPOSITORY, ROVER, source_triples
 from pyoxigraph import NamedNode, RdfFormat, Store
 
 from kg.facts import (
@@ -33,7 +33,6 @@ from kg.facts import (
 from kg.graph import vocabulary as v
 from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.graph.reading.systems import system_names, systems
-from kg.graph.sources import source_triples
 from kg.graph.systems import system_triples
 
 PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}

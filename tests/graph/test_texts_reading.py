@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from graph.samples import source_triples
 from pyoxigraph import RdfFormat, Store
 
 from kg.facts import Description, DescriptionKind, Location, NodeKind, NodeType, Package, PackageFacts, Repository
 from kg.graph.iris import Iris
 from kg.graph.reading.nodes import node_records
 from kg.graph.records import node_object
-from kg.graph.sources import source_triples
 from kg.graph.texts import summary
 
 NODE = NodeType("arm", NodeKind.EXECUTABLE, "cpp", 1, Location("src/arm.cpp", 3), executable="arm")

@@ -138,7 +138,7 @@ def _prepared() -> None:
 @pytest.fixture(autouse=True)
 def _one_version(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make results depend on the settings only, so editing `kg` while tests run does not disturb them."""
-    for module in ("build", "pending"):
+    for module in ("build", "estimating"):
         monkeypatch.setattr(f"kg.pipeline.{module}.version", _settings_only)
 
 

@@ -19,7 +19,7 @@ from kg.corpus.fetching.wanted import wanted_among
 from kg.errors import SourceError
 from kg.pipeline import cluster, corpus, extracting
 from kg.pipeline.build import build
-from kg.pipeline.pending import pending
+from kg.pipeline.estimating import pending
 from kg.pipeline.report import Report
 from kg.settings import load
 

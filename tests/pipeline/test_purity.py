@@ -21,7 +21,7 @@ from kg.corpus.workspace import scan_tree
 from kg.graph.vocabulary import PREFIXES
 from kg.pipeline import inferring, pool, seed, writing
 from kg.pipeline.build import build
-from kg.pipeline.pending import pending
+from kg.pipeline.estimating import pending
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import Report
 from kg.pipeline.state import load as load_state

@@ -7,7 +7,7 @@ import pytest
 from kg.errors import UsageError
 from kg.language import annotating
 from kg.pipeline.build import build
-from kg.pipeline.pending import pending
+from kg.pipeline.estimating import pending
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from kg.errors import RuleError
-from kg.rules.header import parse_header
+from kg.rules.files import parse_header
 
 HEADER = """\
 # Nodes publish topics

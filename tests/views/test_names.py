@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 from cli.rover import DRIVER, PLANNER, build, package
+from graph.samples import source_triples
 from pyoxigraph import RdfFormat, Store
 
 from kg.errors import UnknownNameError, UsageError
 from kg.facts import Location, Repository
 from kg.graph.iris import Iris
-from kg.graph.sources import source_triples
 from kg.store.embedded import EmbeddedStore
 from kg.views.names import one_node, require_package
 

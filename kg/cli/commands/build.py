@@ -34,8 +34,7 @@ with lazily():
     from kg.corpus.fetching.lock import checkouts, read_lock, standing
     from kg.graph.source_states import SourceState, sources
     from kg.pipeline.build import build as run
-    from kg.pipeline.estimating import estimate
-    from kg.pipeline.pending import pending, rules_changed
+    from kg.pipeline.estimating import estimate, pending, rules_changed
     from kg.store.embedded import EmbeddedStore
     from kg.store.remote import RemoteStore
     from kg.store.remote_reading import without_credentials

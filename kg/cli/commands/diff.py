@@ -37,8 +37,7 @@ with lazily():
     from kg.render.system_views import collapsed, near_changes, overlaid
     from kg.store.opening import existing, reading
     from kg.views.evidence import Places, places
-    from kg.views.impact import impact_of
-    from kg.views.impact_changes import broken_between, compared_sources
+    from kg.views.impact import broken_between, compared_sources, impact_of
 
 
 _SHOWN: Final = 12

@@ -14,7 +14,7 @@ from kg.facts import Interface, Location, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
-from kg.graph.reading.nodes import Queryable, code_facts
+from kg.graph.reading.nodes import code_facts
 from kg.graph.reading.queries import column, one_of, texts
 from kg.graph.reading.systems import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
@@ -22,6 +22,8 @@ from kg.holes import fits, is_partial
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
+
+    from kg.store.interface import Queryable
 
 
 CLASSES: Final = {

@@ -10,7 +10,7 @@ from kg.graph import vocabulary as v
 from kg.graph.reading.queries import texts
 
 if TYPE_CHECKING:
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
 
 _QUERY: Final = """
 SELECT DISTINCT ?property ?class (STR(?label) AS ?text) WHERE {{

@@ -15,7 +15,8 @@ from kg.impact.model import DefinitionRecord, FileRecord, PackageRecord
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
+
 
 _DEPENDENTS: Final = """
 SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {

@@ -13,7 +13,8 @@ from kg.graph.reading.queries import among, column, one_of, texts
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
+
 
 _PARTS: Final = "ros:hasComponent|rnkg:hasParameter|rnkg:hasPluginSlot"
 

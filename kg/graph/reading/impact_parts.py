@@ -18,7 +18,8 @@ from kg.holes import fits
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
+
 
 _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg import facts
 from kg.graph import vocabulary as v
@@ -22,6 +22,8 @@ from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping
+
+    from kg.store.interface import Queryable
 
 
 _Ends: TypeAlias = "list[tuple[facts.Interface, str]]"
@@ -93,14 +95,6 @@ _LABELS: Final = "SELECT DISTINCT ?type ?label WHERE { %s ?type rdfs:label ?labe
 _QOS: Final = "SELECT ?subject ?predicate ?object WHERE { %s ?subject a rnkg:Qos ; ?predicate ?object }"
 _FEW: Final = 200
 """So many things are asked for one by one; of more, all that the store has."""
-
-
-class Queryable(Protocol):
-    """What can be asked in SPARQL; `kg.store.interface.Snapshot` is one."""
-
-    def query(self, text: str, /, *, prefixes: dict[str, str] | None = None) -> Any:
-        """Run a query over the union of all graphs."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

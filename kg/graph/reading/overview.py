@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import FileKind, Location, NodeKind
 from kg.graph import vocabulary as v
-from kg.graph.reading.nodes import Queryable, which
+from kg.graph.reading.nodes import which
 from kg.graph.reading.queries import column, one_of, texts
 from kg.graph.usual_ends import unstated_ends
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from kg.store.interface import Queryable
 
 
 _CHANNELS: Final = {

@@ -10,11 +10,13 @@ from kg.facts import Location, NodeReference, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
-from kg.graph.reading.nodes import Queryable, code_facts
+from kg.graph.reading.nodes import code_facts
 from kg.graph.reading.queries import among, column, one_of, properties_in, texts
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from kg.store.interface import Queryable
 
 
 _DECLARED: Final = "SELECT DISTINCT ?name WHERE { ?parameter rnkg:access ?access ; rnkg:name ?name }"

@@ -12,7 +12,7 @@ from kg.graph.vocabulary import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.graph.reading.nodes import Queryable
+    from kg.store.interface import Queryable
 
 
 @runtime_checkable

@@ -18,7 +18,6 @@ from kg.graph.chains import chain_of, likely_chain
 from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_of, word
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.reading.nodes import (
-    Queryable,
     code_facts,
     end_of,
     qualities,
@@ -32,6 +31,8 @@ from kg.graph.usual_ends import UsualEnd, namespace_of, usual_ends, usual_resolu
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
+
+    from kg.store.interface import Queryable
 
 
 _Content: TypeAlias = "dict[str, dict[str, list[str]]]"

@@ -322,10 +322,10 @@ class Driver:
             name=chosen.way.name,
             type=chosen.way.type,
             node=chosen.way.node,
-            message=types.complete(chosen.sends, chosen.message(values, now)),
+            message=types.complete(chosen.way.sent, chosen.message(values, now)),
             rate=chosen.way.rate if chosen.moves else 0,
             seconds=seconds if timed else None,
-            afterwards=types.complete(chosen.sends, chosen.zero(now)) if chosen.moves else None,
+            afterwards=types.complete(chosen.way.sent, chosen.zero(now)) if chosen.moves else None,
         )
 
     async def stop(self, *, released: bool = False) -> None:

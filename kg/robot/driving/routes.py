@@ -64,7 +64,6 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
         return RobotError("KG820", message)
 
 
-_GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
 _TOLD: Final = {"topic": ("",), "service": ("_Response",), "action": ("_Feedback", "_Result")}
 
 
@@ -72,13 +71,12 @@ _TOLD: Final = {"topic": ("",), "service": ("_Response",), "action": ("_Feedback
 class Route:
     """An interface whose paths have been checked.
 
-    `sends` is the type of the message, `stamped` whether it has a header with a time. `arguments` are the paths of its
-    fields by parameter, `constants` fields with fixed values, and `answers` the paths to read, by parameter, in order.
+    `stamped` is whether the message has a header with a time. `arguments` are the paths of its fields by parameter,
+    `constants` fields with fixed values, and `answers` the paths to read, by parameter, in order.
     """
 
     capability: Capability
     way: Way
-    sends: str
     stamped: bool
     arguments: Mapping[str, Path]
     answers: Mapping[str, Path]
@@ -144,11 +142,10 @@ class Route:
 
 def route(capability: Capability, way: Way, types: Types) -> Route:
     """Prepare an interface; RobotError KG826 paths that do not fit the message, KG804 its type is unknown."""
-    sends = way.type + _GIVEN[way.kind]
     parts = [way.type + part for part in _TOLD[way.kind]]
     ordered = [one.name for one in capability.parameters if one.name in way.fields]
     paths = {name: parse(way.fields[name]) for name in ordered}
-    own = {one.name for one in types.fields(sends)}
+    own = {one.name for one in types.fields(way.sent)}
     if capability.modality == "write":
         arguments = {name: path for name, path in paths.items() if way.kind == "topic" or set(roots(path)) <= own}
     else:
@@ -156,9 +153,9 @@ def route(capability: Capability, way: Way, types: Types) -> Route:
     answers = {name: path for name, path in paths.items() if name not in arguments}
     constants = tuple((parse(path), value) for path, value in way.constants.items())
     for path in [*arguments.values(), *(path for path, _ in constants)]:
-        type_at(path, types, sends)  # raises if it does not fit
+        type_at(path, types, way.sent)  # raises if it does not fit
     for path in answers.values():
         fitting = [kind for kind in parts if set(roots(path)) <= {one.name for one in types.fields(kind)}]
         type_at(path, types, (fitting or parts)[0])
-    stamped = way.kind == "topic" and any(one.type == "std_msgs/Header" for one in types.fields(sends)[:1])
-    return Route(capability, way, sends, stamped, arguments, answers, constants)
+    stamped = way.kind == "topic" and any(one.type == "std_msgs/Header" for one in types.fields(way.sent)[:1])
+    return Route(capability, way, stamped, arguments, answers, constants)

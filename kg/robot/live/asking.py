@@ -18,7 +18,7 @@ from kg.graph.systems import system_triples
 from kg.pipeline.launching import chosen
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.pipeline.systems import node_types
-from kg.robot.capabilities import Askable, capabilities_of, find, package_iri, proofs, read
+from kg.robot.capabilities import capabilities_of, find, package_iri, proofs, read
 from kg.robot.lifecycle import available
 from kg.robot.live.inference import knowledge, now
 from kg.robot.live.systems import Seen, name_of, system_of
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from kg.rules.explain.proof import Proof
     from kg.rules.form import Rule
     from kg.settings import Settings
+    from kg.store.interface import Queryable
     from kg.store.snapshot import EmbeddedSnapshot
 
 
@@ -47,7 +48,7 @@ class Subject:
 
     capabilities: Capabilities
     view: View
-    graph: Askable
+    graph: Queryable
     iri: str
     rules: tuple[Rule, ...]
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg.graph.iris import Iris
-from kg.graph.reading.nodes import NodeRecord, Queryable, node_records
+from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.names import resolve
 from kg.query.stored import internal
 from kg.robot.live.systems import Match, is_implicit
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from kg.facts import Interface, NodeReference
     from kg.robot.connection import ComputationGraph, LiveEnd
+    from kg.store.interface import Queryable
 
 _ANONYMOUS: Final = re.compile(r"(_\d+)+$")  # suffix of the names of anonymous nodes
 _FEW: Final = 2  # minimum number of ends, all under the names of the code, for a node type of another name

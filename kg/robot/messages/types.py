@@ -11,8 +11,11 @@ from __future__ import annotations
 import os
 import re
 import struct
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from hashlib import md5
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from rosbags.interfaces import Nodetype
@@ -21,8 +24,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typest
 
 from kg.errors import RobotError
 from kg.robot.messages import definitions
-from kg.robot.messages.definitions import PARTS, Definition, check_size, derived, library, parts
-from kg.robot.messages.installed import installed
+from kg.robot.messages.definitions import PARTS, Definition, check_size, derived, is_type, library, parts
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
 if TYPE_CHECKING:
@@ -309,3 +311,50 @@ def _of_idl(kind: str, text: str) -> str:
         return store.generate_msgdef(kind.replace("/", "/msg/"), ros_version=2)[0]
     except Exception as error:  # noqa: BLE001 - the grammar raises errors of several kinds
         raise RobotError("KG810", f"the definition of `{kind[:80]}` cannot be read: {error}") from None
+
+
+_ROS: Final = 2
+_SORTS: Final = ("msg", "srv", "action")
+_LONGEST: Final = 1 << 20  # bytes of a definition up to which it is read
+
+
+@cache
+def installed(prefixes: str) -> Installed:
+    """Return the definitions below the prefixes of an installed ROS 2, in the form of `AMENT_PREFIX_PATH`."""
+    return Installed(tuple(Path(one) for one in prefixes.split(os.pathsep) if one))
+
+
+class Installed:
+    """Definitions of types: `share/PACKAGE/{msg,srv,action}/NAME` below prefixes; read when they are needed."""
+
+    def __init__(self, prefixes: tuple[Path, ...]) -> None:
+        self._prefixes = prefixes
+        self._definitions: dict[str, Mapping[str, Definition]] = {}
+
+    def get(self, name: str) -> Definition | None:
+        """Return the definition of a message, or of a part of a service or action; None if no valid one is installed.
+
+        A package of the name `package` is the first one below the prefixes, as for ROS 2.
+        """
+        if not is_type(name):
+            return None
+        package, _, own = name.partition("/")
+        whole = own.partition("_")[0]  # names of types have no underscores, except before their parts
+        key = f"{package}/{whole}"
+        if key not in self._definitions:
+            self._definitions[key] = self._read(package, whole)
+        return self._definitions[key].get(name)
+
+    def _read(self, package: str, whole: str) -> Mapping[str, Definition]:
+        shares = (prefix / "share" / package for prefix in self._prefixes)
+        share = next((one for one in shares if one.is_dir()), None)
+        definitions_by_name: dict[str, Definition] = {}
+        if share is None:
+            return definitions_by_name
+        for sort in _SORTS:
+            with suppress(OSError, ValueError):  # no such file, or a type that kg does not support
+                with (share / sort / f"{whole}.{sort}").open(encoding="utf-8") as file:
+                    text = file.read(_LONGEST)
+                texts = parts(f"{package}/{whole}", sort, text, _ROS)
+                definitions_by_name |= {name: definitions.read(name, part) for name, part in texts}
+        return definitions_by_name

@@ -1,4 +1,7 @@
-"""The rules at hand, read one by one as they are needed: a file that does not parse hides no other."""
+"""The rules at hand, read one by one as they are needed: a file that does not parse hides no other.
+
+`Watched` tells which of them, or of their examples, were saved.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from kg import resources
 from kg.errors import Place, RuleError
 from kg.rules.files import RuleFile, family_of
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import Pack, changed_at, packs, read, rival, rule_files
+from kg.rules.reading import Pack, changed_at, packs, read, rival, rule_files, sources
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -56,7 +59,7 @@ class Library:
 
     def __init__(self, folders: Iterable[Path], installed: Iterable[Pack] = (), families: Collection[str] = ()) -> None:
         """Raise `RuleError` KG231 for a folder that is not there or is closed."""
-        self._sources = [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]
+        self._sources = sources(folders, installed)
         self._families = families
         self._read: dict[str, tuple[int, RuleFile]] = {}
         self.entries: dict[str, Entry] = {}
@@ -117,3 +120,35 @@ class Library:
         for error in (*self.problems, *errors):
             raise error
         return files
+
+
+@dataclass(frozen=True, slots=True)
+class Saved:
+    """The rules that were saved or came, and the names of those that went."""
+
+    entries: list[Entry]
+    gone: list[str]
+
+    def __bool__(self) -> bool:
+        return bool(self.entries or self.gone)
+
+
+class Watched:
+    """The files of a library by their times; looking costs one call of the system a file and a folder."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._folders: dict[Path, int] = {}
+        self._times: dict[str, tuple[int, int]] = {}
+        self.saved()
+
+    def saved(self) -> Saved:
+        """Return the changes since the last call."""
+        if not self._folders or any(changed_at(folder) != time for folder, time in self._folders.items()):
+            # A file came or went: only then the folders are searched.
+            self._folders = {folder: changed_at(folder) for folder in self._library.directories()}
+            self._library.refresh()
+        entries, before = self._library.entries, self._times
+        self._times = {name: (changed_at(one.path), changed_at(one.examples)) for name, one in entries.items()}
+        changed = [entries[name] for name, times in self._times.items() if before.get(name) != times]
+        return Saved(changed, sorted(before.keys() - self._times.keys()))

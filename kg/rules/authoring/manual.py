@@ -10,9 +10,8 @@ from kg.errors import RuleError
 from kg.rules.authoring.examples import Example, read_examples
 from kg.rules.authoring.graph import RuleGraph, rule_graph, spell_atom
 from kg.rules.dependencies import reads
-from kg.rules.files import HEADINGS, NOTATIONS, Documentation, RuleFile
+from kg.rules.files import HEADINGS, NOTATIONS, Documentation, RuleFile, parse_header
 from kg.rules.form import Atom, atoms_of, is_auxiliary
-from kg.rules.header import parse_header
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping

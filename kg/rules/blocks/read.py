@@ -18,8 +18,8 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import RuleError
 from kg.rules.blocks import tree as blocks
 from kg.rules.blocks.write import SECTIONS, inferred, namespace
+from kg.rules.files import parse_header
 from kg.rules.form import Variable
-from kg.rules.header import parse_header
 from kg.syntax import tree
 from kg.syntax.lexer import END, Kind, Token, as_operator, bare, normalise, quoted, token_at, tokens_of, unescape
 from kg.syntax.names import PREFIXES, RDF_TYPE, shorten

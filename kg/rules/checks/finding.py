@@ -1,4 +1,4 @@
-"""Findings of checks, as plain values and as remarks at their lines, and the input of checks."""
+"""Findings of checks, as values and as remarks at their lines; the input of checks, and names in the text of a rule."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import RuleError
 from kg.render.sarif import Remark, Spot, document
+from kg.syntax.lexer import Kind, Token, iri_of, is_name, normalise, tokens
 from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from pyoxigraph import Triple
 
@@ -111,3 +112,33 @@ def remark(finding: Finding) -> Remark:
     """Return a finding as a remark at its line, the file as it was named."""
     place = finding.place
     return Remark(finding.code, finding.severity, finding.message, Spot(place.path, place.line, place.column))
+
+
+_DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}
+"""How many tokens belong to a declaration that begins with these."""
+
+
+def names(file: RuleFile) -> Iterator[tuple[str, Token]]:
+    """Yield each name of a file as an IRI with its token; declarations of prefixes are left out.
+
+    So are the names inside the queries of SHACL rules, which are strings to Turtle.
+    """
+    declaring = 0
+    for token in tokens(normalise(file.text)):
+        if token.kind in {Kind.WORD, Kind.TAG} and token.text.upper() in _DECLARING:
+            declaring = _DECLARING[token.text.upper()]
+        elif declaring:
+            declaring -= 1
+        elif is_name(token) and (iri := iri_of(token, file.prefixes)) is not None:
+            yield iri, token
+
+
+def place_of_name(file: RuleFile, iri: str) -> Place:
+    """Return where a file first names an IRI, else the place of its first rule."""
+    return next((at_offset(file, token.start) for name, token in names(file) if name == iri), at_rule(file))
+
+
+def variables(file: RuleFile) -> Iterator[Token]:
+    """Yield the variables of a file in the order of the text; in Turtle there are none."""
+    if file.notation != ".ttl":
+        yield from (token for token in tokens(normalise(file.text)) if token.kind is Kind.VARIABLE)

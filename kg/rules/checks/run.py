@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.codes import SEVERITIES
-from kg.errors import Place, RuleError
+from kg.errors import Place
 from kg.rules.checks.documents import documentation_missing, examples_malformed, examples_missing, no_rule, orphan
 from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.firing import always_fires, never_fires
@@ -15,7 +15,7 @@ from kg.rules.checks.subsumed import subsumed
 from kg.rules.checks.variables import cartesian_product, variable_used_once
 from kg.rules.checks.vocabulary import head_never_read, unknown_terms
 from kg.rules.files import NOTATIONS, RuleFile, RuleSet
-from kg.rules.reading import Pack, read, rival, rule_files
+from kg.rules.reading import Pack, read_each, sources
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
 
@@ -77,21 +77,18 @@ def read_all(folders: Iterable[Path], installed: Iterable[Pack] = (), families: 
     files: dict[str, RuleFile] = {}
     findings: list[Finding] = []
     paths: list[tuple[str, Path]] = []
-    for folder, pack in [*((each.folder, each.name) for each in installed), *((folder, "") for folder in folders)]:
-        for path, name in rule_files(folder, families):
+    folders, installed = tuple(folders), tuple(installed)
+    for path, name, result in read_each(folders, installed, families):
+        paths.append((name, path))
+        if isinstance(result, RuleFile):
+            files[name] = result
+        elif result:
             place = Place(str(path), 1, 1)
-            paths.append((name, path))
-            if name in files:
-                if problem := rival(path, name, files[name].path):
-                    findings.append(Finding(problem.code, "error", name, problem.message, place, problem.hint))
-                continue
-            try:
-                files[name] = read(path, name, pack=pack)
-            except RuleError as error:
-                findings.append(from_error(error, name, place))
+            finding = from_error(result, name, place)
+            findings.append(replace(finding, place=place) if result.code == "KG207" else finding)
+    for folder, _ in sources(folders, installed):
         for path, name in _pages(folder):
-            note = orphan(path, name)
-            if note:
+            if note := orphan(path, name):
                 paths.append((name, path))
                 findings.append(note)
     return Read(RuleSet(tuple(files[name] for name in sorted(files))), tuple(findings), tuple(paths))

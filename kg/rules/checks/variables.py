@@ -6,8 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from kg.errors import Fix
-from kg.rules.checks.finding import Context, Finding, at_offset, at_rule
-from kg.rules.checks.tokens import variables
+from kg.rules.checks.finding import Context, Finding, at_offset, at_rule, variables
 from kg.rules.form import Atom, Exists, Rule, Variable, atoms_of, binds, mentions
 from kg.similar import misspelt, suggest
 

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import Fix
-from kg.rules.checks.finding import Context, Finding
-from kg.rules.checks.tokens import names, place_of_name
+from kg.rules.checks.finding import Context, Finding, names, place_of_name
 from kg.rules.dependencies import depends, reads
 from kg.rules.form import AUXILIARY, Atom, Rule, Variable, atoms_of, is_auxiliary
 from kg.similar import similar, suggest

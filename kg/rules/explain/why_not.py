@@ -7,9 +7,8 @@ from difflib import SequenceMatcher
 from typing import TYPE_CHECKING, Final
 
 from kg.rules import form
-from kg.rules.explain.derivations import bound_by
+from kg.rules.explain.derivations import bound_by, filled, heads, instance, instances
 from kg.rules.explain.proof import Attempt, WhyNot
-from kg.rules.explain.unify import filled, heads, instance, instances
 from kg.similar import similar
 
 if TYPE_CHECKING:

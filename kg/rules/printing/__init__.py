@@ -7,9 +7,8 @@ RuleError KG209 with the part.
 from __future__ import annotations
 
 from kg.rules.printing.form import to_form
+from kg.rules.printing.rq import of_data, to_rq
 from kg.rules.printing.srl import to_srl
-from kg.rules.printing.together import of_data
 from kg.rules.printing.turtle import to_turtle
-from kg.rules.printing.words import to_rq
 
 __all__ = ["of_data", "to_form", "to_rq", "to_srl", "to_turtle"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kg.rules import sparql
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule
-from kg.rules.printing.words import shortened
+from kg.rules.printing.rq import shortened
 from kg.syntax.lexer import bare
 from kg.syntax.names import PREFIXES
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.rules import form, sparql
-from kg.rules.printing.words import head, refusal, with_prefixes
+from kg.rules.printing.rq import head, refusal, with_prefixes
 from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
 from kg.syntax.lexer import Kind, bare, tokens_of
 from kg.syntax.names import PREFIXES

@@ -19,8 +19,7 @@ from kg.rules import form, sparql
 from kg.rules.decompose.expressions import expression
 from kg.rules.decompose.work import Names
 from kg.rules.notations.shacl.query import EXCLUDED, PREBOUND
-from kg.rules.printing.together import called, variables_of
-from kg.rules.printing.words import construct, refusal, shortened, with_prefixes
+from kg.rules.printing.rq import called, construct, refusal, shortened, variables_of, with_prefixes
 from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Final
 
 import pytest
+from graph.samples import source_triples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyoxigraph import RdfFormat, Store
@@ -29,7 +30,6 @@ from kg.facts import (
 from kg.graph.iris import Iris
 from kg.graph.reading.nodes import NodeRecord, node_names, node_records
 from kg.graph.records import node_object
-from kg.graph.sources import source_triples
 
 HERE: Final = Location("src/rover.cpp", 12)
 ROVER: Final = NodeType(

@@ -8,9 +8,8 @@ from rules.authoring.worlds import write_rules
 
 from kg import resources
 from kg.errors import KgError, RuleError, UsageError
-from kg.rules.authoring.library import Library
+from kg.rules.authoring.library import Library, Watched
 from kg.rules.authoring.naming import choose, find_rule
-from kg.rules.authoring.watching import Watched
 from kg.rules.folders import families_in_force, own_folder, user_folders
 from kg.rules.reading import read, rule_files
 from kg.settings import load

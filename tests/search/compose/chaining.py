@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from graph.samples import source_triples
 from pyoxigraph import NamedNode
 
 from kg.corpus.reading import Reader
@@ -23,7 +24,6 @@ from kg.facts import (
     Role,
 )
 from kg.graph.iris import Iris
-from kg.graph.sources import source_triples
 from kg.launch.files import read_configuration
 from kg.launch.wiring.systems import wire
 from kg.launch.wiring.types import NodeTypes

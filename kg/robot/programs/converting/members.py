@@ -134,8 +134,6 @@ def _target(path: Path, root: str) -> str:
 _TYPES: Final = {"number": "float", "integer": "int", "boolean": "bool", "text": "str", "list": "list"}
 _READ: Final = {"integer": "float"}
 """Types of values read that differ from their parameter: an integer missing from a message is NaN."""
-_GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
-"""Suffixes of the request type of each kind of interface."""
 
 
 _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request", "goal", "end", "math"})
@@ -293,8 +291,7 @@ class Members:
         name = self.argument(parameter.name)
         if parameter.type != "number" or not isinstance(path, Field):
             return name
-        sent = way.type + _GIVEN[way.kind]
-        kind = type_at(path, self._types, sent) if self._types.has(sent) else None
+        kind = type_at(path, self._types, way.sent) if self._types.has(way.sent) else None
         whole = kind is not None and "int" in kind
         return f"round({name})" if whole else self.dialect.text("real number", value=name)
 
