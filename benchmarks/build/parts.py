@@ -26,7 +26,7 @@ from clock import Clock, Stages
 from kg import settings
 from kg.extract import texts
 from kg.language import annotating
-from kg.pipeline import build, cache, pool, reasoning, systems, work, writing
+from kg.pipeline import build, cache, pool, reasoning, systems, wiring, work, writing
 from kg.rules.running import Reasoner, Runner
 from kg.rules.written import Written
 from kg.store.embedded import EmbeddedStore
@@ -53,8 +53,8 @@ PARTS: Stages = {
     "merging the store": [(EmbeddedTransaction, "commit")],
     "columns of what is loaded": [(Written, "load"), (Written, "patch"), (Written, "clear"), (Written, "take")],
     "writing packages": [(writing.Writing, name) for name in ("begin", "add", "finish")],
-    "wiring systems": [(systems, "wire")],
-    "triples of systems": [(systems, "system_triples")],
+    "wiring systems": [(wiring, "wire")],
+    "triples of systems": [(wiring, "system_triples")],
     "updating systems": [(systems, "update_systems")],
     "reading rules": [(reasoning, "rules_over")],
     "running rules": [(Reasoner, "infer"), (Runner, "run_within"), (Runner, "remember")],

@@ -15,14 +15,21 @@ if TYPE_CHECKING:
 
 @pytest.mark.parametrize(
     ("text", "expected"),
-    [("1", 1), ("800", 800), ("500K", 500 * 1024), ("500k", 500 * 1024), ("4M", 4 * 1024**2), ("1G", 1024**3)],
+    [
+        ("1", 1),
+        ("800", 800),
+        ("500K", 500 * 1024),
+        ("500k", 500 * 1024),
+        ("4M", 4 * 1024**2),
+        ("1.5G", 3 * 1024**3 // 2),
+    ],
 )
 def test_sizes_are_bytes_or_have_a_unit(text: str, expected: int) -> None:
     """K, M and G, in either case, are powers of 1,024."""
     assert size(text, "--max-memory") == expected
 
 
-@pytest.mark.parametrize("text", ["", "0", "0K", "K", "-1", "1.5G", "1T", "1 G", "G1", "²"])
+@pytest.mark.parametrize("text", ["", "0", "0K", "K", "-1", "1T", "G1", "²"])
 def test_what_is_no_size_is_refused(text: str) -> None:
     """An invalid size is rejected with the option, the text and the syntax."""
     with pytest.raises(UsageError, match=f"`--max-memory {text}` is not a size") as caught:

@@ -16,7 +16,7 @@ from pyoxigraph import RdfFormat
 
 from kg.graph.reading.nodes import node_records
 from kg.launch.wiring.systems import wire as wire_system
-from kg.pipeline import cache, systems
+from kg.pipeline import cache, wiring
 from kg.pipeline.build import build
 from kg.pipeline.state import load as load_state
 from kg.settings import load
@@ -186,7 +186,7 @@ def wired(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         return original(configuration, types)
 
     original = wire_system
-    monkeypatch.setattr(systems, "wire", wire)
+    monkeypatch.setattr(wiring, "wire", wire)
     return found
 
 
