@@ -67,17 +67,15 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
     writing = _Writing(transaction, iris, present, intact)
     launching = {key: number for key in sorted(packages) if (number := packages[key].counts.get("launches", 0))}
     fresh = {key: number for key, number in launching.items() if work.is_fresh(key)}
-    if pool is not None and pool.size > 1 and not strangers:
+    if fresh and pool is not None and pool.size > 1 and not strangers:
         for key, found, marks in wired_by(pool, fresh, folder, iris, packages):
             catalogue.learn(marks)
             work.adopt(key, packages[key].result, found)
-            writing.take(work.contents)
-            work.contents = {}
+            writing.take(work.taken())
     for key in launching:
         if not work.has(key):
             work.package(folder, key, packages[key].result)
-            writing.take(work.contents)
-            work.contents = {}
+            writing.take(work.taken())
     sources = {source for source, _ in packages} | set(last.packages)
     prefixes = tuple(iris.launch_graph(source, "") for source in sources)
     gone = [graph for graph in sorted(present) if prefixes and graph.startswith(prefixes) and graph not in work.graphs]
@@ -186,11 +184,11 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
 
 
 class _Work:
-    """The systems of one build; `graphs` contains the remaining ones, `contents` the new content of some."""
+    """The systems of one build; `graphs` contains the remaining ones."""
 
     def __init__(self, catalogue: Catalogue, iris: Iris, last: Systems, version: str, intact: set[str]) -> None:
         self.graphs: set[str] = set()
-        self.contents: dict[str, bytes] = {}
+        self._contents: dict[str, bytes] = {}
         self.failed: list[str] = []
         """Launch files that could not be wired, with the reason."""
         self._catalogue = catalogue
@@ -235,6 +233,11 @@ class _Work:
         earlier = self._last.packages.get(key[0], {}).get(key[1])
         self._set(key, result, {one.path: self._kept(key, one, earlier) for one in systems})
 
+    def taken(self) -> dict[str, bytes]:
+        """Return the graphs with new content since the last call."""
+        contents, self._contents = self._contents, {}
+        return contents
+
     def _set(self, key: Key, result: str, systems: dict[str, WiredSystem]) -> None:
         self._current[key], self._results[key] = systems, result
         self.graphs.update(self._iris.launch_graph(key[0], path) for path in systems)
@@ -252,7 +255,7 @@ class _Work:
         graph = self._iris.launch_graph(key[0], system.path)
         before = earlier.graphs.get(system.path) if earlier else None
         if graph not in self._intact or before is None or before.graph != system.graph:
-            self.contents[graph] = system.content
+            self._contents[graph] = system.content
         if system.failed:
             self.failed.append(system.failed)
         return self._numbered(WiredSystem(system.configuration, system.graph, system.instances, ()), system.asked)

@@ -314,7 +314,9 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
             interfaces += marked(ends.of_plugin(replace(plugin, typed=(owner, node))), doubtful)
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:
-        for end in ends.of_tree_node(tree_node):
+        owner, node = tree_node.typed
+        node, doubtful = switched_on(node, ends.settings, draft.place)
+        for end in marked(ends.of_tree_node(replace(tree_node, typed=(owner, node))), doubtful):
             of_trees.setdefault((end.declared, end.resolved), end)
     interfaces += of_trees.values()
     if draft.typed is None:

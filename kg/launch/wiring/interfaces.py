@@ -24,7 +24,7 @@ from kg.facts import (
     Resolution,
 )
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
-from kg.launch.wiring.families import effective, members, switched_on
+from kg.launch.wiring.families import effective, members
 from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
@@ -245,7 +245,6 @@ class Ends:
     def of_tree_node(self, used: TreeNode) -> Iterator[InstanceInterface]:
         """Yield the ends of a node of a behavior tree; the element of the tree has the ports that name interfaces."""
         owner, node = used.typed
-        node, doubtful = switched_on(node, self.settings, self.place)
         for declared in node.interfaces:
             if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
                 continue
@@ -255,8 +254,7 @@ class Ends:
                 name = named(declared, node, given)
             else:
                 name = self._named(declared, node, declared.parameter, self.place)
-            end = self._placed(declared, owner, replace(name, parameter=name.parameter or used.element), self.place)
-            yield replace(end, switches=doubtful.get(declared, ()))
+            yield self._placed(declared, owner, replace(name, parameter=name.parameter or used.element), self.place)
 
     def _by_default(self, declared: Interface, parameter: str | None) -> Named | None:
         """Return the name that a parameter of the node gives to an interface of a plugin where nothing sets it."""
