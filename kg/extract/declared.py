@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
-from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution, Role
+from kg.facts import HOLDS, Access, Bound, Interface, Location, Parameter, Resolution, Role
 from kg.holes import PARENT, is_partial
 from kg.names import normalise
 from kg.symbolic.form import Literal
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 _ROS2: Final = 2
 _PARENT: Final = f"{{{PARENT}}}/"
+_HOLDS: Final = f" {HOLDS}"
+_SEVERAL: Final = 2
 _OF_NODE: Final = "the name or namespace of the node is part of it"
 
 
@@ -76,7 +78,7 @@ def facts_of(
     for found in interfaces.values():
         names.setdefault((found.role, found.type, found.parameter, found.location), set()).add(found.name)
     completed = (
-        i
+        _with_one_condition(i)
         for i in interfaces.values()
         if i.type is not None or (i.node, i.role, i.name, i.parameter) not in typed
         if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
@@ -86,6 +88,14 @@ def facts_of(
         one if one.type is not None else replace(one, type=types.get(one.name or "")) for one in parameters.values()
     )
     return tuple(completed), tuple(stated)
+
+
+def _with_one_condition(interface: Interface) -> Interface:
+    """Return an interface with the innermost condition of the code alone, which says most, beside its parameters."""
+    conditions = [one for one in interface.switches if one.endswith(_HOLDS)]
+    if len(conditions) < _SEVERAL:
+        return interface
+    return replace(interface, switches=tuple(one for one in interface.switches if one not in conditions[:-1]))
 
 
 def _covered(name: str | None, names: set[str | None]) -> bool:
@@ -240,10 +250,13 @@ def _other_node(one: Declared, alone: tuple[str, str]) -> str | None:
 def _switch(term: str, naming: str | None) -> str | None:
     """Return a term of a guard as a switch; None if it is about the presence of an argument or what is set.
 
-    An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too.
+    An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too. Who
+    sets it wants the interface, so conditions of the code do not count there.
     """
     if term == f"?{naming}":
         return f"{naming} is set"
+    if term.endswith(_HOLDS):
+        return term if naming is None else None
     about_presence = term.removeprefix("!").startswith(("?", "argv[")) and " == " not in term
     return None if about_presence or COUNT.fullmatch(term) is not None else term
 

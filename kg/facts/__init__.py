@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from kg.facts.code import (
     CAMERA_ORIGIN,
+    HOLDS,
     TREE_NODE,
     Access,
     Bound,
@@ -69,6 +70,7 @@ from kg.facts.texts import Description, DescriptionKind, Phrase, Snippet
 
 __all__ = [
     "CAMERA_ORIGIN",
+    "HOLDS",
     "TREE_NODE",
     "Access",
     "Bound",

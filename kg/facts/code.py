@@ -148,11 +148,16 @@ class Qos:
         return ", ".join(word for word in words if word)
 
 
+HOLDS: Final = "holds"
+"""The sign of a `Switch` that is a condition of the code."""
+
+
 class Switch(NamedTuple):
     """A parameter, or an argument of the command line, that decides whether a node creates an interface.
 
     Written `~/use_map` if it must be true, or a text that is not empty; `~/type == scan` or `~/cameras > 1` if it must
-    have such a value, `~/topic is set` if it must be set. A `!` in front negates the condition.
+    have such a value, `~/topic is set` if it must be set. A condition of the code that no parameter decides has its
+    place instead of a parameter: `src/node.cpp:12 holds`. A `!` in front negates the condition.
     """
 
     parameter: str
@@ -197,7 +202,7 @@ class Interface:
     arguments: int = 0
     """Number of command line arguments required for the node to create the interface."""
     switches: tuple[str, ...] = ()
-    """Parameters that decide whether the node creates it, see `Switch`."""
+    """What decides whether the node creates it, see `Switch`; of conditions of the code the innermost one."""
     via: tuple[Location, ...] = ()
     """The calls from `location`, the innermost one in the node's own package, down to the framework call.
 

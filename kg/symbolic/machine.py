@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.symbolic import binding, form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import counted_by, grown, is_finite
-from kg.symbolic.narrowing import Arm, attempt, exclude, narrowed
+from kg.symbolic.narrowing import Arm, attempt, condition_at, exclude, narrowed
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -68,10 +68,8 @@ MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
-_MOST_SITES: Final = 12
-"""How many calls on the way to its registration a callback keeps."""
-_PLAIN: Final = (Unknown, Number, Truth)
-"""Values that are seldom part of a name."""
+_MOST_SITES: Final = 12  # calls on the way to its registration that a callback keeps
+_PLAIN: Final = (Unknown, Number, Truth)  # values that are seldom part of a name
 _OUT: Final = ("return", "raise", "exit")
 _LEFT: Final = (*_OUT, "break")
 _COUNTS: Final = Unknown("it counts the turns of a loop", label="")
@@ -84,6 +82,7 @@ class Machine:
     most_turns = 64
     most_repeats = 2
     counts_endless = False  # whether loops whose condition always holds run turn by turn
+    notes_conditions = True  # whether guards have conditions that nothing decides; in callbacks, they hold some time
 
     def __init__(self, language: Language, framework: Framework) -> None:
         self.language = language
@@ -216,12 +215,12 @@ class Machine:
         stack, guards = self.stack[:_MOST_SITES], list(self.guards)
 
         def run() -> None:
-            outer = self.stack, self.guards
-            self.stack, self.guards = list(stack), list(guards)
+            outer = self.stack, self.guards, self.notes_conditions
+            self.stack, self.guards, self.notes_conditions = list(stack), list(guards), False
             try:
                 work()
             finally:
-                self.stack, self.guards = outer
+                self.stack, self.guards, self.notes_conditions = outer
 
         self.queued.add(key)
         self.queue.append(run)
@@ -296,8 +295,8 @@ class Machine:
         ends, terms = list[str | None](), list[tuple[str, ...]]()
         negated: list[str] = []
         closed = False
-        for arm in statement.arms:
-            condition, body = arm
+        unknown = tuple[str, ...]()
+        for condition, body in statement.arms:
             holds = Truth(True) if condition is None else self.holds(condition, frame)
             if isinstance(holds, Truth):
                 if not holds.value:
@@ -307,8 +306,9 @@ class Machine:
                     ended = self.run(body, frame)
                     return ended if ended != "exit" else None
             terms.append((*negated, *terms_of(holds)))
-            arms.append(arm)
-            with self._under(terms[-1]):
+            arms.append((condition, body))
+            unknown = condition_at(statement, condition, holds, frame, unknown)
+            with self._under((*terms[-1], *(unknown if self.notes_conditions else ()))):
                 narrow = narrowed(self, arms, frame)
                 written, ended = attempt(self._journal, narrow, partial(self.run, body, frame))
             sides.append(written)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
+from kg.facts import HOLDS
 from kg.symbolic import form
 from kg.symbolic.operators import compute, under
 from kg.symbolic.state import Alias
-from kg.symbolic.values import Either, Object, Text, Truth, Value, Way, paths
+from kg.symbolic.values import Either, Guard, Object, Text, Truth, Value, Way, paths
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -47,6 +48,21 @@ def narrowed(machine: Machine, arms: Sequence[Arm], frame: Frame) -> Slots:
             if left and len(left) < len(pairs):
                 slots.append((frame.variables, name, _of(left)))
     return slots
+
+
+def condition_at(
+    branch: form.Branch, condition: Expression | None, holds: Value, frame: Frame, before: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Return the term of a side of a branch that something else than parameters decides; none of other sides.
+
+    `before` is that of the side before: where what decides it is unknown, the others depend on that too.
+    """
+    if before:
+        return (f"!{before[0].removeprefix('!')}",)
+    if isinstance(holds, Truth) or (isinstance(holds, Guard) and holds.whole):
+        return ()
+    line = branch.line if condition is None or isinstance(condition, form.Type) else condition.line
+    return (f"{frame.unit.key.path}:{line} {HOLDS}",)
 
 
 def exclude(machine: Machine, journal: Journal, arms: Sequence[Arm], ends: Sequence[str | None], frame: Frame) -> None:

@@ -16,7 +16,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeType, Switch
+from kg.facts import HOLDS, InstanceInterface, Interface, LaunchParameter, NodeType, Switch
 from kg.holes import (
     Hole,
     anonymous,
@@ -270,7 +270,9 @@ def marked(
 
 
 def _is_on(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool | None:
-    """Return whether a switch is on; None if its parameter, read as `name`, is unknown."""
+    """Return whether a switch is on; None if no parameter decides it, or its parameter, read as `name`, is unknown."""
+    if switch.sign == HOLDS:
+        return None
     if is_partial(name) and any(settings.fitting(pattern(settings.absolute(name, place)), place)):
         return None
     setting = settings.get(name, place)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Switch
+from kg.facts import HOLDS, Switch
 from kg.holes import is_partial
 from kg.names import resolve
 
@@ -159,6 +159,8 @@ def _moved_by_name(starts: Sequence[Start]) -> set[str]:
 def _connect(start: Start, port: Port, link: Link) -> None:
     for switch in port.switches:
         parameter, sign, value, wanted = Switch.parse(switch)
+        if sign == HOLDS:
+            continue
         if value is None:
             start.switches[parameter] = wanted
         elif wanted and sign == "==":

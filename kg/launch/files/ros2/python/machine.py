@@ -85,7 +85,8 @@ class LaunchMachine(Machine):
 
     def start(self) -> None:
         """Begin the work."""
-        self.most_turns, self.most_repeats, self.counts_endless = 2_000, 24, True
+        self.most_turns, self.most_repeats = 2_000, 24
+        self.counts_endless, self.notes_conditions = True, False
         self.more()
         self._forks = count()
         self._heights: list[int] = [0]
