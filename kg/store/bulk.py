@@ -6,7 +6,7 @@ quads 0.77; loading in one batch 1.66, in two threads 0.84 to 1.1. The engine so
 indexes, which is faster for small batches, until the files that each batch creates cost more.
 
 On each call, the engine's own loader gives blank nodes new labels, which would split a node that occurs in several
-batches or graphs. So text with blank nodes is parsed here and added as quads, which takes 10 % longer.
+batches or graphs. So lines with blank nodes are parsed here and added as quads, which takes 10 % longer.
 
 The engine is passed as a function that returns it: in a local variable, the traceback of an error would keep it open.
 """
@@ -33,6 +33,7 @@ from kg.store.terms import BLANK_MARK, split_blank
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
+    from concurrent.futures import Future
     from typing import TypeAlias
 
     Engine: TypeAlias = Callable[[], Store]
@@ -73,13 +74,9 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
     """
 
     def one(batch: bytes) -> None:
-        plain, others = split_blank(batch)
-        if plain:
-            engine().bulk_load(plain, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
-        if others:
-            engine().bulk_extend(_placed(graph, others))
+        engine().bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
 
-    return _load_all(chunks, one)
+    return _load_all(engine, chunks, one, lambda lines: _placed(graph, lines))
 
 
 def load_quads(engine: Engine, graphs: Iterable[tuple[NamedNode, bytes]]) -> int:
@@ -89,31 +86,55 @@ def load_quads(engine: Engine, graphs: Iterable[tuple[NamedNode, bytes]]) -> int
     """
 
     def one(batch: bytes) -> None:
-        plain, others = split_blank(batch)
-        if plain:
-            engine().bulk_load(plain, RdfFormat.N_QUADS, lenient=True)
-        if others:
-            engine().bulk_extend(parse(others, RdfFormat.N_QUADS, lenient=True))
+        engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
 
     # Line ends in literals are escaped, so no line is split.
-    return _load_all((content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs), one)
+    chunks = (content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs)
+    return _load_all(engine, chunks, one, lambda lines: parse(lines, RdfFormat.N_QUADS, lenient=True))
 
 
-def _load_all(chunks: Iterable[bytes], one: Callable[[bytes], None]) -> int:
-    """Load chunks of whole lines, several batches at a time, by the function `one`; return their size in bytes."""
+def _load_all(
+    engine: Engine, chunks: Iterable[bytes], one: Callable[[bytes], None], quads: Callable[[bytes], Iterable[Quad]]
+) -> int:
+    """Load chunks of whole lines; return their size in bytes.
+
+    The function `one` loads a batch without blank nodes, several at a time. Lines with blank nodes follow, as `quads`
+    reads them, while nothing else is loaded: the engine has crashed twice where both ran at once.
+    """
     size = 0
+    blank: list[bytes] = []
     with ThreadPoolExecutor(_THREADS) as pool:
-        waiting = []
+        waiting: list[Future[None]] = []
+
+        def wait_for(number: int) -> None:
+            while len(waiting) > number:
+                waiting.pop(0).result()
+
         for batch in _batches(chunks):
             size += len(batch)
-            waiting.append(pool.submit(one, batch))
-            if len(waiting) > _THREADS:
-                waiting.pop(0).result()
-        for future in waiting:
-            future.result()
+            plain, others = split_blank(batch)
+            if plain:
+                waiting.append(pool.submit(one, plain))
+                wait_for(_THREADS)
+            blank.append(others)
+            if sum(map(len, blank)) >= _MOST_BYTES:
+                wait_for(0)
+                _extend(engine, blank, quads)
+        wait_for(0)
+    _extend(engine, blank, quads)
     if size > _LEAST_BYTES:
         give_back()
     return size
+
+
+def _extend(engine: Engine, blank: list[bytes], quads: Callable[[bytes], Iterable[Quad]]) -> None:
+    """Add lines with blank nodes, and empty the list."""
+    lines = b"".join(blank)
+    blank.clear()
+    if lines.count(b"\n") > _FEW:
+        engine().bulk_extend(quads(lines))
+    elif lines:
+        engine().extend(quads(lines))
 
 
 def _placed(graph: Graph, lines: bytes) -> Iterator[Quad]:
