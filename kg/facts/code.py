@@ -168,7 +168,7 @@ class Switch(NamedTuple):
     @classmethod
     def parse(cls, written: str) -> Switch:
         """Return the switch that is written so."""
-        parameter, sign, value = (*written.removeprefix("!").split(" ", 2), "", None)[:3]
+        parameter, sign, value = (*written.removeprefix("!").split(" ", 2), None, None)[:3]
         return cls(parameter or "", sign or "", value, not written.startswith("!"))
 
 
