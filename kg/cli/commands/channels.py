@@ -53,7 +53,8 @@ def endpoint_view(
     qualities = {one["quality"] for one in ends if not one.get("possible")}
     yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
     where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
-    same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} else ""
+    conditional = any(one["switches"] for one in ends)
+    same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} and not conditional else ""
     yield Text(f"  {where}; {_fit(channel)}{same}", style="dim")
     if channel["definitions"]:
         yield Text(f"  defined at {', '.join(map(_place, channel['definitions']))}", style="dim")
@@ -62,7 +63,7 @@ def endpoint_view(
         "node": Column("node", "name"),
         "of": Column("of", spare=3),
         "type": Column("type", spare=2) if len(channel["types"]) > 1 else None,
-        "QoS": Column("QoS") if len(qualities) > 1 else None,
+        "QoS": Column("condition, QoS" if conditional else "QoS") if len(qualities) > 1 or conditional else None,
         "started": Column("started at", "dim"),
         "in": Column("launch file") if every else Column("in", spare=1),
         "code": Column("code", "dim"),
