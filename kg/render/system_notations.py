@@ -143,7 +143,8 @@ def system_dot(graph: SystemGraph) -> str:
         lines.append(f"  {ids[channel.key]} [label={text}, {_DOT_STYLES[channel.kind]}{_dot_color(channel.state)}];")
     for link in graph.links:
         source, target = _ends(link)
-        style = f"{_DOT_LINES[kinds[link.channel].kind]}{_dot_color(link.state)}".lstrip(", ")
+        perhaps = f", style=dotted, label={_dot(link.condition)}" if link.condition else ""
+        style = f"{perhaps or _DOT_LINES[kinds[link.channel].kind]}{_dot_color(link.state)}".lstrip(", ")
         lines.append(f"  {ids[source]} -> {ids[target]}{f' [{style}]' if style else ''};")
     return "\n".join([*lines, "}", ""])
 
@@ -165,7 +166,8 @@ def system_mermaid(graph: SystemGraph) -> str:
         lines.append(f"  {ids[channel.key]}{before}{text}{behind}")
     for link in graph.links:
         source, target = _ends(link)
-        lines.append(f"  {ids[source]} {_MERMAID_LINES[kinds[link.channel]]} {ids[target]}")
+        perhaps = f"|{_mermaid(link.condition)}|" if link.condition else ""
+        lines.append(f"  {ids[source]} {_MERMAID_LINES[kinds[link.channel]]}{perhaps} {ids[target]}")
     marked = [f"  class {ids[one.key]} {one.state}" for one in graph.members if one.state]
     marked += [f"  class {ids[one.key]} {one.state}" for one in graph.channels if one.state]
     marked += [f"  class {ids[one.key]} unknown" for one in graph.members if _unknown(one) and not one.state]

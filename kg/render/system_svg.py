@@ -17,7 +17,7 @@ from typing import Final
 
 from kg.render.layered import Node, Rectangle, lay_out
 from kg.render.svg import arrow, before_tip, document, escaped, label, rounded, short
-from kg.render.system_graph import SIGNS, Bundle, Channel, Member, State, SystemGraph, bundles
+from kg.render.system_graph import SIGNS, Bundle, Channel, Link, Member, State, SystemGraph, bundles
 from kg.render.text import width
 
 _NAME: Final = 7.9
@@ -76,12 +76,15 @@ class _Drawing:
         self.joining = []
         self.hosts = {member.host for member in self.graph.members if member.host}
         self.most = next(most for size, most in _MOST_LOOSE if len(self.graph.members) <= size)
+        conditions = {(link.member, link.channel): link.condition for link in self.graph.links}
         for bundle in bundles(self.graph):
             if not bundle.dangling:
                 self.joining.append(bundle)
                 continue
             for member in sorted({*bundle.sources, *bundle.targets}):
-                self.loose[member] += [_loose(bundle, channel, member) for channel in bundle.channels]
+                self.loose[member] += [
+                    _loose(bundle, channel, member, conditions[member, channel.key]) for channel in bundle.channels
+                ]
 
     def lines(self, member: Member) -> list[_Loose]:
         """Return the lines of a member, what changed first, cut where they are many."""
@@ -148,7 +151,7 @@ def system_svg(graph: SystemGraph) -> str:
     ways = sorted(
         zip(links, places.ways[: len(links)], strict=True), key=lambda one: (one[0][0].key, one[0][1], one[0][2])
     )
-    states = {(link.member, link.channel, link.outward): link.state for link in graph.links}
+    ends = {(link.member, link.channel, link.outward): link for link in graph.links}
     legend, legend_wide = _legend(graph)
     notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
     across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * _SMALL)
@@ -160,7 +163,7 @@ def system_svg(graph: SystemGraph) -> str:
         f'<g transform="translate({_MARGIN} {_HEAD})">',
         *(_host(one, places.boxes[one.key]) for one in graph.members if one.key in drawing.hosts),
         *(
-            _way(b, m, points, states[m, b.channels[0].key, gives], gives=gives, compared=compared)
+            _way(b, [ends[m, one.key, gives] for one in b.channels], points, compared=compared)
             for (b, m, gives), points in ways
         ),
         *(line for b in drawing.joining for line in _bundle(b, places.boxes[b.key])),
@@ -176,7 +179,7 @@ def system_svg(graph: SystemGraph) -> str:
     return document("system", (size_x, size_y), graph.title, _description(graph), lines)
 
 
-def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:
+def _loose(bundle: Bundle, channel: Channel, member: str, condition: str) -> _Loose:
     gives, takes = member in bundle.sources, member in bundle.targets
     arrow = "↺" if gives and takes else "→" if gives else "←"
     if channel.open:
@@ -186,7 +189,8 @@ def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:
         "→": f"no subscriber for {channel.name}",
         "←": f"no publisher of {channel.name}",
     }
-    return _Loose(bundle.kind, f"{SIGNS[channel.state]}{arrow} {channel.name}", about[arrow], channel.state)
+    sentence = ", ".join(filter(None, [about[arrow], condition]))
+    return _Loose(bundle.kind, f"{SIGNS[channel.state]}{arrow} {channel.name}", sentence, channel.state)
 
 
 def _title(member: Member) -> str:
@@ -247,13 +251,17 @@ def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:
     yield "</g>"
 
 
-def _way(  # noqa: PLR0913 - what a line says
-    bundle: Bundle, member: str, points: Sequence[tuple[float, float]], state: str, *, gives: bool, compared: bool
-) -> str:
-    """Return a line with rounded corners and a head at its end."""
-    names = ", ".join(one.name for one in bundle.channels)
-    about = f"{member} to {names}" if gives else f"{names} to {member}"
-    style = " ".join(filter(None, [bundle.kind, state or ("still" if compared else "")]))
+def _way(bundle: Bundle, links: Sequence[Link], points: Sequence[tuple[float, float]], *, compared: bool) -> str:
+    """Return the line of one member's links to a bundle, with rounded corners and a head at its end.
+
+    It is dotted if each of them depends on a condition that is not decided.
+    """
+    first = links[0]
+    named = zip(bundle.channels, links, strict=True)
+    names = ", ".join(f"{one.name} {link.condition}".strip() for one, link in named)
+    about = f"{first.member} to {names}" if first.outward else f"{names} to {first.member}"
+    perhaps = "perhaps" if all(link.condition for link in links) else ""
+    style = " ".join(filter(None, [bundle.kind, perhaps, first.state or ("still" if compared else "")]))
     return (
         f"<g><title>{escaped(about)}</title>"
         f'<path class="way {style}" d="{rounded(before_tip(points))}"/>'
@@ -278,6 +286,9 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
         words.append("? name not known")
     if any(member.reason or member.condition for member in graph.members):
         words.append("dashed: what it does, or whether it starts, is not known")
+    joining = {channel.key for one in bundles(graph) if not one.dangling for channel in one.channels}
+    if any(link.condition and link.channel in joining for link in graph.links):
+        words.append("dotted: only under a condition that is not decided")
     words += [f"{SIGNS[state]}{state}" for state in (State.NEW, State.GONE, State.CHANGED) if state in states]
     text = "   ".join(words)
     drawn.append(f'<text class="key" x="{x:g}" y="61" xml:space="preserve">{escaped(text)}</text>')

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from render.systems import CAMERA, end, instance, system
 
@@ -30,6 +31,14 @@ def test_mermaid_has_hosts_as_subgraphs_and_every_end_as_an_edge() -> None:
     assert text.startswith("flowchart LR\n")
     assert 'subgraph n3_host["/manager"]' in text
     assert len(re.findall(r"^  \w+ (?:-->|-\.->|==>) \w+$", text, re.MULTILINE)) == len(GRAPH.links)
+
+
+def test_an_end_that_a_node_might_not_have_has_its_condition_at_the_edge() -> None:
+    """Its line is dotted in DOT; Mermaid, whose dotted lines are services, has the label alone."""
+    listener = replace(end(Role.SUBSCRIBES, "/x"), switches=("!src/a.cpp:7 holds",))
+    graph = system_graph(system([instance("/a", end(Role.PUBLISHES, "/x")), instance("/b", listener)]))
+    assert system_dot(graph).count('[style=dotted, label="unless a.cpp:7 holds"]') == 1
+    assert system_mermaid(graph).count('-->|"unless a.cpp:7 holds"|') == 1
 
 
 def test_names_cannot_leave_their_place() -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from xml.etree import ElementTree as ET
 
@@ -33,6 +34,20 @@ def test_what_leads_nowhere_stands_in_its_node() -> None:
     assert "← /mode" in texts
     assert "→ ? topic_" in texts
     assert "/raw" in texts
+
+
+def test_a_line_that_depends_on_a_condition_is_dotted() -> None:
+    """The key explains it, and the line names the condition; without such lines, the key does not."""
+    sender, listener = end(Role.PUBLISHES, "/x"), end(Role.SUBSCRIBES, "/x")
+    doubtful = replace(listener, switches=("use_x",))
+    dotted, plain = (
+        system_svg(system_graph(system([instance("/a", sender), instance("/b", one)]))) for one in (doubtful, listener)
+    )
+    assert dotted.count("way topic perhaps") == 1
+    assert "<title>/x if use_x to /b</title>" in dotted
+    assert "dotted: only under a condition" in dotted
+    assert "perhaps" not in plain.partition("</style>")[2]
+    assert "dotted" not in plain.partition("</style>")[2]
 
 
 def test_many_ends_that_lead_nowhere_are_counted() -> None:
