@@ -8,6 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Switch
+from kg.holes import is_partial, known_letters, pattern
 from kg.impact.model import Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import area_of, end_effect, ends_of, partners
 from kg.names import normalise
@@ -49,8 +50,21 @@ def names_node(record: Record, name: str) -> bool:
 
 def has_parameter(record: Record, subject: Subject) -> bool:
     """Check whether a node type has the parameter that is meant."""
-    is_owner = not subject.owner or names_node(record, subject.owner)
-    return is_owner and any(same_parameter(one.name, subject.name) for one in record.node.parameters)
+    return (not subject.owner or names_node(record, subject.owner)) and bool(_meant(record, subject.name))
+
+
+def _meant(record: Record, name: str) -> set[str]:
+    """Return the parameter of a node type that a name means, without `~/`: the one with it, else its closest family.
+
+    `odom0` is one of the family `odom{}`, but `odom0_config` of `odom{}_config`.
+    """
+    own = {_bare(one.name) for one in record.node.parameters if one.name}
+    bare = _bare(name)
+    if bare in own:
+        return {bare}
+    families = [one for one in own if is_partial(one) and pattern(one).fullmatch(bare)]
+    closest = max(map(known_letters, families), default=0)
+    return {one for one in families if known_letters(one) == closest}
 
 
 def _owned(subject: Subject, world: World) -> list[Record]:
@@ -62,8 +76,9 @@ def parameter_about(subject: Subject, world: World) -> list[str]:
     declared = [
         one
         for record in _owned(subject, world)
+        for meant in [_meant(record, subject.name)]
         for one in record.node.parameters
-        if same_parameter(one.name, subject.name)
+        if one.name and _bare(one.name) in meant
     ]
     types = sorted({one.type for one in declared if one.type})
     return [*types, *(f"default {one}" for one in sorted({one.default for one in declared if one.default is not None}))]
@@ -80,18 +95,23 @@ def parameter_effects(subject: Subject, world: World) -> Iterator[Effect]:
 
 def _code(subject: Subject, record: Record) -> Iterator[Effect]:
     node = f"{record.package}/{record.node.name}"
+    meant = _meant(record, subject.name)
+
+    def is_meant(name: str | None) -> bool:
+        return name is not None and _bare(name) in meant
+
     for one in record.node.parameters:
-        if same_parameter(one.name, subject.name):
+        if is_meant(one.name):
             what = f"{node} {_VERBS[str(one.access)]} it"
             yield code_effect(record, Grade.BREAKS, what, "the code names the parameter", one.location)
     for end in record.node.interfaces:
-        named = same_parameter(end.parameter, subject.name)
-        if named or any(same_parameter(Switch.parse(one).parameter, subject.name) for one in end.switches):
+        named = is_meant(end.parameter)
+        if named or any(is_meant(Switch.parse(one).parameter) for one in end.switches):
             what = f"{node} {end.role.verb} {end.name or '?'}"
             reason = "the parameter gives the name" if named else "the parameter enables it"
             yield code_effect(record, Grade.MAY, what, reason, end.location)
     for slot in record.node.slots:
-        if same_parameter(slot.names, subject.name) or same_parameter(slot.parameter, subject.name):
+        if is_meant(slot.names) or is_meant(slot.parameter):
             what = f"{node} loads plugins of {slot.base_class or 'a class that is not known'}"
             yield code_effect(record, Grade.BREAKS, what, "the parameter names the plugins", slot.location)
 
@@ -133,7 +153,9 @@ def _setting(subject: Subject, system: System, instance: NodeInstance, one: Inst
     )
     certain = one.declared is not None
     if one.declared is not None:
-        is_same = same_parameter(one.declared.name, subject.name)
+        is_member = one.declared.name is not None and is_partial(one.declared.name)
+        is_same = same_parameter(inner if is_member else one.declared.name, subject.name)
+        is_same |= is_member and same_parameter(one.declared.name, subject.name)
     else:
         is_same = re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner) is not None
     if not (is_same and is_owner):

@@ -92,7 +92,8 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> list[
         Subject(Kind(kind), one) for kind, names in world.channels.items() for one in names if one.endswith(ending)
     ]
     started = [Subject(Kind.NODE, one) for one in started_names(snapshot) if one.endswith(ending)]
-    return [*channels, *started, *_files(snapshot, world, name, whole=False)]
+    found = [*channels, *started, *_files(snapshot, world, name, whole=False)]
+    return found or [one for one in _parameters(snapshot, world, ending) if assess(one, world).effects]
 
 
 def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
@@ -129,12 +130,11 @@ def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> It
     # Names of nodes and of parameters may both contain dots, so each dot may be between the two.
     splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "."]
     for owner, inner in splits:
+        subject = Subject(Kind.PARAMETER, inner, owner)
+        having = [one for one in world.nodes(subject) if has_parameter(one, subject)]
+        yield from (Subject(Kind.PARAMETER, inner, f"{one.package}/{one.node.name}") for one in having)
         if owner.startswith("/") and owner in started_names(snapshot, owner):
             yield Subject(Kind.PARAMETER, inner, owner)
-        subject = Subject(Kind.PARAMETER, inner, owner)
-        for record in world.nodes(subject):
-            if has_parameter(record, subject):
-                yield Subject(Kind.PARAMETER, inner, f"{record.package}/{record.node.name}")
 
 
 def _arguments(snapshot: EmbeddedSnapshot, name: str) -> Iterator[Subject]:
