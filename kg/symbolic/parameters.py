@@ -77,6 +77,8 @@ class Parameters:
 
     def __init__(self) -> None:
         self._values: dict[tuple[int | None, str], Value] = {}
+        self._dynamic: set[tuple[int | None, str]] = set()
+        """The parameters that may have values of any type."""
 
     def declares(self, node: Value | None, name: str) -> bool:
         """Check whether a parameter of a node has a value."""
@@ -116,6 +118,8 @@ class Parameters:
             default = Truth(not isinstance(default, Number) or default.value != 0, default.parameter)
         descriptor = call.argument(effect.descriptor)
         if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
+            self._dynamic.add(key)
+        if key in self._dynamic:
             kind = None
         elif isinstance(descriptor, Object) and kind is None:
             kind = _stated_type(descriptor.fields.get("type"))
@@ -123,7 +127,8 @@ class Parameters:
         if shown is not None and effect.access is not Access.WRITE and (default is not None or current is None):
             self._values[key] = value
         if effect.weak and current is not None:
-            return replace(reading, default=None, type=kind or type_of_value(current))
+            typed = kind or (type_of_value(current) if key not in self._dynamic else None)
+            return replace(reading, default=None, type=typed)
         first = effect.access is Access.READ and current is None and before is not None and not other
         if default is None and first and not isinstance(value, Unknown):
             return replace(reading, default=value)
