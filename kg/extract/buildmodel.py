@@ -28,7 +28,7 @@ class Target:
 
     `sources` are paths relative to the root of the source, globs expanded; `links` are the names of targets
     (and packages) it links, as written after variables were expanded; `absent` are the macros that are defined for
-    other targets alone.
+    other targets alone, `values` those that are defined for this one, with what they stand for.
     """
 
     name: str
@@ -38,6 +38,7 @@ class Target:
     location: Location
     output_name: str | None = None
     absent: tuple[str, ...] = ()
+    values: tuple[tuple[str, str], ...] = ()
 
 
 class Registration(StrEnum):
@@ -112,3 +113,5 @@ class BuildModel:
     """The macros that CMake defines for C++ only under conditions that do not hold."""
     defined: tuple[str, ...] = ()
     """The macros that CMake defines for C++, for all targets or for some."""
+    values: tuple[tuple[str, str], ...] = ()
+    """The macros that CMake defines for C++, with what they stand for in the code that is read."""

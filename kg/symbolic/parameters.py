@@ -77,10 +77,13 @@ class Parameters:
 
     def __init__(self) -> None:
         self._values: dict[tuple[int | None, str], Value] = {}
+        self._declared: set[tuple[int | None, str]] = set()
+        self._dynamic: set[tuple[int | None, str]] = set()
+        """The parameters that may have values of any type."""
 
     def declares(self, node: Value | None, name: str) -> bool:
-        """Check whether a parameter of a node has a value."""
-        return (id(node), name) in self._values
+        """Check whether a parameter of a node is declared; that it is read does not say so."""
+        return (id(node), name) in self._declared
 
     def read(self, language: Language, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Reading:
         """Return an access to a parameter, and remember the value for accesses without default."""
@@ -105,6 +108,8 @@ class Parameters:
         other = getattr(before, "parameter", None) not in (None, shown)  # the variable has received another parameter
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         current = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
+        if effect.access is Access.DECLARE and shown is not None:
+            self._declared.add(key)
         kind = stated or _type(template, default, before if not other else None)
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
@@ -116,6 +121,8 @@ class Parameters:
             default = Truth(not isinstance(default, Number) or default.value != 0, default.parameter)
         descriptor = call.argument(effect.descriptor)
         if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
+            self._dynamic.add(key)
+        if key in self._dynamic:
             kind = None
         elif isinstance(descriptor, Object) and kind is None:
             kind = _stated_type(descriptor.fields.get("type"))
@@ -123,7 +130,8 @@ class Parameters:
         if shown is not None and effect.access is not Access.WRITE and (default is not None or current is None):
             self._values[key] = value
         if effect.weak and current is not None:
-            return replace(reading, default=None, type=kind or type_of_value(current))
+            typed = kind or (type_of_value(current) if key not in self._dynamic else None)
+            return replace(reading, default=None, type=typed)
         first = effect.access is Access.READ and current is None and before is not None and not other
         if default is None and first and not isinstance(value, Unknown):
             return replace(reading, default=value)

@@ -599,3 +599,19 @@ def as_text(value: Value) -> Text:
     if isinstance(value, Unknown):
         return Text.hole(value.reason, value.label or "", value.parameter)
     return Text.hole("it is computed when the program runs")
+
+
+def bound_call(arguments: list[Value]) -> Value:
+    """Return a function with some of its arguments, as `std::bind` gives it; the function is the first argument."""
+    first, *rest = arguments
+    if isinstance(first, Bound) and first.of is None and first.functions:
+        return replace(first, given=tuple(rest))
+    if isinstance(first, Bound):
+        if isinstance(first.of, Object):
+            return replace(first, functions=(), given=tuple(rest))
+        objects = (one for value in rest for one in alternatives(value) if isinstance(one, Object))
+        return replace(first, of=next(objects, first.of), functions=(), given=tuple(rest[1:]))
+    if isinstance(first, Closure):
+        bound = tuple(value for value in rest if not isinstance(value, Unknown))
+        return Closure(first.function, first.frame, bound, captured=first.captured)
+    return first

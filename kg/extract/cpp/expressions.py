@@ -44,6 +44,8 @@ _SHOWN: Final = 60
 _NAMES: Final = frozenset(
     {"identifier", "field_identifier", "type_identifier", "namespace_identifier", "primitive_type", "operator_name"}
 )
+_BEGINS: Final = frozenset({"begin", "cbegin"})
+"""Methods of containers whose result points to the first element: `*names.begin()`."""
 _CASTS: Final = frozenset(
     {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast", "static_pointer_cast", "dynamic_pointer_cast"}
 )
@@ -311,7 +313,11 @@ class Expressions:
         operator, operand = node.child_by_field_name("operator"), node.child_by_field_name("argument")
         if operator is None or operand is None:
             return self._opaque(node)
-        return Unary(line_of(node), syntax.text(operator), self.expression(operand))
+        value = self.expression(operand)
+        begun = value.function if isinstance(value, Call) and not value.arguments else None
+        if syntax.text(operator) == "*" and isinstance(begun, Member) and begun.name in _BEGINS:
+            return Call(line_of(node), Member(begun.line, begun.of, "front"), ())
+        return Unary(line_of(node), syntax.text(operator), value)
 
     def _assignment(self, node: Node) -> Expression:
         left, right = node.child_by_field_name("left"), node.child_by_field_name("right")

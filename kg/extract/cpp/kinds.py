@@ -11,7 +11,7 @@ from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
 from kg.symbolic.messages import GENERATED
 from kg.symbolic.state import Frame
-from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import Kind, Number, Object, Pack, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -102,7 +102,8 @@ class Kinds:
             if len(names) == 1:
                 return bound.kind if isinstance(bound, TypeValue) else bound
             if isinstance(bound, TypeValue):
-                return self._nested(bound.kind, names[1:], arguments, depth)
+                own = self._alias_in(bound.kind, names[1], arguments, depth) if len(names) == _PAIR else None
+                return own or self._nested(bound.kind, names[1:], arguments, depth)
         if names[0] == "std" and len(names) > 1 and len(arguments) > 1:
             computed = self._computed(names, arguments)
             if computed is not None:
@@ -140,8 +141,12 @@ class Kinds:
         if owner.cls is None:
             known = self._linker.find_class(owner.names, frame.unit, frame.scope)
             return UNKNOWN if known is not None else None
-        for cls, bound in self.chain(owner)[0]:
-            alias = self._linker.find_alias(names[-1:], cls.unit, cls.inside)
+        return self._alias_in(owner, names[-1], arguments, depth)
+
+    def _alias_in(self, owner: Kind, name: str, arguments: tuple[Value, ...], depth: int) -> Kind | Value | None:
+        """Return the type that an alias in a class, or in a base of it, stands for; None if none has the name."""
+        for cls, bound in self.chain(owner)[0] if owner.cls is not None else ():
+            alias = self._linker.find_alias((name,), cls.unit, cls.inside)
             if alias is not None and alias[0] == cls.inside:
                 types = bound | dict(zip(alias[2], arguments, strict=False))
                 return self._meant(alias[1], Frame(alias[3], alias[0], types=types), depth)
@@ -273,8 +278,22 @@ class Kinds:
     def _argument(self, argument: Type | Expression, frame: Frame) -> Value:
         if isinstance(argument, form.Type):
             value = _as_value(self.kind(argument, frame, 1))
+            constant = self._constant(argument, value, frame)
+            if constant is not None:
+                return constant
             return TypeValue(Kind((POINTER,), (value,))) if argument.pointer and isinstance(value, TypeValue) else value
         return self._language.machine.value(argument, frame)
+
+    def _constant(self, argument: Type, meant: Value, frame: Frame) -> Value | None:
+        """Return the value of a constant that a template argument names as a type would be; None if it is a type."""
+        if argument.arguments or argument.pointer or not isinstance(meant, TypeValue) or meant.kind.cls is not None:
+            return None
+        if meant.kind.names != argument.names or not self._linker.find_variable(
+            argument.names, frame.unit, frame.scope
+        ):
+            return None
+        value = self._language.name(form.Name(0, argument.names), frame)
+        return value if isinstance(value, Text | Number | Truth) else None
 
     def instance(self, cls: Class, arguments: tuple[Value, ...]) -> Kind:
         """Return a class with template arguments, or the specialisation that they choose, with its own parameters.

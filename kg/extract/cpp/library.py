@@ -41,6 +41,7 @@ from kg.symbolic.values import (
     Value,
     alternatives,
     as_text,
+    bound_call,
     concatenate,
     join,
     number,
@@ -138,6 +139,8 @@ _LIMITS: Final[dict[str, dict[str, float]]] = {
     "float": {"max": _LARGEST_FLOAT, "lowest": -_LARGEST_FLOAT, "min": 2.0**-126, "epsilon": 2.0**-23},
 }
 _NOT_FINITE: Final = {"infinity": math.inf, "quiet_NaN": math.nan, "signaling_NaN": math.nan}
+_CHAINED: Final = frozenset({"append", "assign", "insert"})
+"""Methods of texts that return the text itself, which the next call of a chain changes: `name.append(a).append(b)`."""
 _JOINERS: Final = frozenset({"StrCat", "append_path", "concat"})
 _BINDERS: Final = frozenset({"bind", "bind_front", "mem_fn"})
 _PACKERS: Final = frozenset({"make_pair", "make_tuple", "tie", "forward_as_tuple"})
@@ -234,7 +237,7 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
         return begin if begin is not None else Unknown("it is given no value in the code that was run")
     if name in ("thread", "jthread"):
         bound = isinstance(arguments[1:] and arguments[0], Closure | Bound)
-        language.escape([_bind(arguments)] if bound else arguments)
+        language.escape([bound_call(arguments)] if bound else arguments)
         return Object(kind)
     return None
 
@@ -327,11 +330,11 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name in _SAME:
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
-        return _bind(values)
+        return bound_call(values)
     if name == "async":
         return _asynchronous(language, values, given)
     if name == "pthread_create" and isinstance(values[2:] and values[2], Closure | Bound):
-        language.escape([_bind(values[2:])])
+        language.escape([bound_call(values[2:])])
     if name in ("to_string", "to_wstring"):
         return join(*(_decimal(item) for item in alternatives(values[0])))
     if name in _TO_TEXT:
@@ -358,7 +361,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
                 language.calls.value(values[-1], Arguments([one], frame=given.frame))
         return Unknown("it returns what it was given")
     if name == "call_once" and len(values) > 1:
-        called = _bind(values[1:]) if len(values) > _PAIR else values[1]
+        called = bound_call(values[1:]) if len(values) > _PAIR else values[1]
         return language.calls.value(called, Arguments([], frame=given.frame))
     if name in tokens.CASES:
         return over((values[0],), partial(_cased, change=tokens.CASES[name]))
@@ -450,23 +453,8 @@ def _asynchronous(language: Cpp, values: list[Value], given: Arguments) -> Value
     if isinstance(called, Bound) and isinstance(owner, Kind):
         methods = language.methods(owner, called.name)
         if all(len(one.parameters) != len(rest) for one, _ in methods):  # the first argument is the object
-            return language.calls.value(_bind([called, *rest]), Arguments([], frame=given.frame))
+            return language.calls.value(bound_call([called, *rest]), Arguments([], frame=given.frame))
     return language.calls.value(called, Arguments(rest, frame=given.frame))
-
-
-def _bind(arguments: list[Value]) -> Value:
-    first, *rest = arguments
-    if isinstance(first, Bound) and first.of is None and first.functions:
-        return replace(first, given=tuple(rest))
-    if isinstance(first, Bound):
-        if isinstance(first.of, Object):
-            return replace(first, functions=(), given=tuple(rest))
-        objects = (one for value in rest for one in alternatives(value) if isinstance(one, Object))
-        return replace(first, of=next(objects, first.of), functions=(), given=tuple(rest[1:]))
-    if isinstance(first, Closure):
-        bound = tuple(value for value in rest if not isinstance(value, Unknown))
-        return Closure(first.function, first.frame, bound, captured=first.captured)
-    return first
 
 
 def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expression | None) -> Value | None:
@@ -486,8 +474,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         values = [language.copies.copy(value, None, frame, one, frame) for value, one in pairs]
     change = _changed(of, name, values)
     if change is not None and written is not None and frame is not None:
-        language.machine.assign(written, change, frame)
-        return change if name in ("append", "assign", "insert", "reset") else Unknown("it returns nothing")
+        language.machine.assign(_start_of_chain(written), change, frame)
+        return change if name in _CHAINED or name == "reset" else Unknown("it returns nothing")
     if name in _ENDS and isinstance(of, Sequence):
         return of.items[_ENDS[name]] if of.items else Unknown("the list is empty")
     if name in _OWN:
@@ -515,6 +503,15 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name == "value_or" and values:
         return of if not isinstance(of, Unknown) else values[0]
     return _of_text(of, name, values) if isinstance(of, Text) else None
+
+
+def _start_of_chain(written: Expression) -> Expression:
+    """Return what calls of methods in a row change: `name` in `name.append(a).append(b)`."""
+    while isinstance(written, form.Call) and isinstance(written.function, form.Member):
+        if written.function.name not in _CHAINED:
+            break
+        written = written.function.of
+    return written
 
 
 def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: Expression | None) -> Value | None:

@@ -148,7 +148,8 @@ class Linker:
         """Return a macro that is visible at a line of a file."""
         key = (name, unit)
         if key not in self._macros:
-            self._macros[key] = next((u.macros[name] for u in self._holding(unit, "macro", name)), None)
+            macros = (u.macros[name] for u in self._holding(unit, "macro", name))
+            self._macros[key] = next(macros, None) or self.project.macro(name, cast("CppUnit", unit))
         macro = self._macros[key]
         while macro is not None and macro.unit is unit and macro.line > line and macro.earlier is not None:
             macro = macro.earlier

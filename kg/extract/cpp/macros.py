@@ -38,7 +38,12 @@ EXPORTS: Final = {
     **dict.fromkeys(("GZ_ADD_PLUGIN", "IGNITION_ADD_PLUGIN"), 0),
 }
 """Macros that register a class, with the index of the class among their arguments."""
-_EXPORTING: Final = re.compile(rf"\b(?:{'|'.join(EXPORTS)})\b".encode())
+_DECLARES: Final = re.compile(rf"\b(?:{'|'.join(EXPORTS)})\b|\busing\s+[\w#]+\s*=".encode())
+"""What macros register or declare that are expanded: classes, and other names of types."""
+DECLARING: Final = re.compile(
+    rf"^(?!(?:{'|'.join(EXPORTS)})\b)([A-Z][A-Z0-9_]+)\(.*\)[ \t]*;?[ \t]*\r?$".encode(), re.MULTILINE
+)
+"""A call of a macro that is a line of its own, outside of functions."""
 
 
 @dataclass(slots=True, eq=False)
@@ -109,7 +114,7 @@ def _call_at(text: str, place: int) -> tuple[str, tuple[str, ...], int] | None:
 
 
 class Registrations:
-    """The macros of a package that define or register classes by those of a framework: `EXPORT(Scan)`.
+    """The macros of a package that register classes by those of a framework, or declare types: `EXPORT(Scan)`.
 
     Their calls are replaced by what they stand for, on the same line, since they declare what other code names.
     """
@@ -118,12 +123,12 @@ class Registrations:
         """Take the contents of files."""
         self._macros: dict[str, tuple[tuple[str, ...], str]] = {}
         for source in sources:
-            if b"define" in source and _EXPORTING.search(source) is not None:
+            if b"define" in source and _DECLARES.search(source) is not None:
                 self._add(source)
 
     def _add(self, source: bytes) -> None:
         defined = {match[1]: match for match in _DEFINED_WITH_PARAMETERS.finditer(source)}
-        found = {name for name, match in defined.items() if _EXPORTING.search(match[3]) is not None}
+        found = {name for name, match in defined.items() if _DECLARES.search(match[3]) is not None}
         size = -1
         while len(found) > size:  # macros that call these
             size = len(found)

@@ -110,11 +110,14 @@ class _Nodes:
     def _compiled(self, target: Target) -> Iterator[_Nodes]:
         """Give the reading of the package as it is compiled for one target, until the end of a `with` statement."""
         files = [self._project.own(path) for path in target.sources]
-        absent = [name for name in target.absent if any(self._project.contains(file, name.encode()) for file in files)]
-        if not absent:
+        macros = {*target.absent, *dict(target.values)}
+        used = {name for name in macros if any(self._project.contains(file, name.encode()) for file in files)}
+        absent = [name for name in target.absent if name in used]
+        values = [(name, text) for name, text in target.values if name in used]
+        if not absent and not values:
             yield self
             return
-        build = replace(self.build, absent=(*self.build.absent, *absent))
+        build = replace(self.build, absent=(*self.build.absent, *absent), values=(*self.build.values, *values))
         with closing(Project(self._project.reader, self._package, build, self._calls)) as project:
             yield _Nodes(project, build, self._calls)
 

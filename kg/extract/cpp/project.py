@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.corpus.files import FilePath, PackageFolder, Place
 from kg.extract.constants import Constants
-from kg.extract.cpp.macros import Registrations
+from kg.extract.cpp.macros import DECLARING, Macro, Registrations
 from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
@@ -59,6 +59,7 @@ _OF_ROS: Final = frozenset(
 )
 """Headers of the frameworks that projects copy, for builds without ROS; a copy is never read either."""
 
+_INCLUDED: Final = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"\n]+)", re.MULTILINE)
 _DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 _LEFT_OUT: Final = re.compile(rb"^[ \t]*//+[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?://.*)?\r?$", re.MULTILINE)
 """A macro without a value whose definition is a comment: a switch that is off."""
@@ -151,10 +152,18 @@ class Project:
         self._converted: dict[FilePath, bytes] = {}
         """The headers made of YAML files, and the sources whose macros that register classes are expanded."""
         contents = {file: data for file in self.sources() if (data := reader.read(file)) is not None}
-        registrations = Registrations(contents.values())
+        registrations = Registrations([*contents.values(), *self._headers_with_macros(contents)])
         for file, data in contents.items():
             if (expanded := registrations.expanded(data)) is not data:
                 self._converted[file] = expanded
+
+    def _headers_with_macros(self, contents: dict[FilePath, bytes]) -> Iterator[bytes]:
+        """Yield the headers of other packages that define macros which files call as declarations."""
+        own = {name for data in contents.values() for name in _DEFINED.findall(data)}
+        for file, data in contents.items():
+            if not own.issuperset(DECLARING.findall(data)):
+                headers = (self.include(file, path.decode("utf-8", "replace")) for path in _INCLUDED.findall(data))
+                yield from filter(None, map(self._content, filter(None, headers)))
 
     def close(self) -> None:
         """Free what was read, before a collection of cycles does; the project cannot be used any more."""
@@ -207,6 +216,11 @@ class Project:
             undefined = {name.decode() for name in left_out - defined}
             self._undefined = frozenset(self._build.absent) | undefined.difference(self._build.defined)
         return self._undefined
+
+    def macro(self, name: str, unit: CppUnit) -> Macro | None:
+        """Return the macro that the build files define with a text, for a file; None for other names."""
+        text = dict(self._build.values).get(name)
+        return Macro(unit, name, None, text, 0) if text is not None else None
 
     def contains(self, file: FilePath, word: bytes) -> bool:
         """Return whether a file contains some bytes."""

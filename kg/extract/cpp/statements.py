@@ -35,6 +35,7 @@ from kg.symbolic.form import (
     Step,
     Try,
     Type,
+    Unary,
 )
 
 if TYPE_CHECKING:
@@ -272,6 +273,7 @@ class Statements:
         subject = self._expressions.expression(clause) if clause is not None else Opaque(line_of(node), "")
         body = node.child_by_field_name("body")
         arms: list[tuple[Expression | None, Statement]] = []
+        through: list[int] = []
         waiting: list[Expression] = []
         for case in body.named_children if body is not None else ():
             if case.type != "case_statement":
@@ -291,7 +293,11 @@ class Statements:
                 test = Binary(line_of(case), "||", (*waiting, test))
             waiting = []
             done = tuple(s for s in statements if not (isinstance(s, Jump) and s.kind == "break"))
+            if not _leaves(statements):
+                through.append(len(arms))
             arms.append((test, Block(line_of(case), done)))
+        if any(index < len(arms) - 1 for index in through):
+            return _in_turn(arms, through)
         arms.sort(key=lambda arm: arm[0] is None)
         return [Branch(line_of(node), tuple(arms))] if arms else []
 
@@ -386,3 +392,32 @@ def _dimensions(declarator: Node | None) -> int:
         count += declarator.type == "array_declarator"
         declarator = declarator.child_by_field_name("declarator")
     return count
+
+
+def _leaves(statements: Sequence[Statement]) -> bool:
+    """Return whether a case of a `switch` certainly ends before the next one."""
+    last = statements[-1] if statements else None
+    if isinstance(last, Block):
+        return _leaves(last.body)
+    if isinstance(last, Branch):
+        return any(test is None for test, _ in last.arms) and all(_leaves([body]) for _, body in last.arms)
+    return isinstance(last, Jump | Return)
+
+
+def _in_turn(arms: list[tuple[Expression | None, Statement]], through: list[int]) -> list[Statement]:
+    """Return the cases of a `switch` one after the other: each runs also for those before it that go on with it."""
+    tests = [test for test, _ in arms if test is not None]
+    statements: list[Statement] = []
+    own: list[Expression | None] = []
+    for index, (test, body) in enumerate(arms):
+        own = [*own, test] if index - 1 in through else [test]
+        line = body.line
+        others: list[Expression] = [Unary(line, "!", one) for one in tests if one not in own]
+        either = tuple(one for one in own if one is not None)
+        # The values of other cases exclude it, which says more of a parameter than several that allow it.
+        needed = others if len(own) > 1 or index in through or None in own else []
+        if None not in own:
+            needed.append(Binary(line, "||", either) if len(own) > 1 else either[0])
+        condition = needed[0] if len(needed) == 1 else Binary(line, "&&", tuple(needed))
+        statements.append(Branch(line, ((condition, body),)) if needed else body)
+    return statements

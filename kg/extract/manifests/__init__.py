@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.extract.buildmodel import BuildModel, PluginClass
 from kg.extract.manifests.cargo import read_cargo
-from kg.extract.manifests.cmake import read_cmake
+from kg.extract.manifests.cmake import read_cmake, valued
 from kg.extract.manifests.package_xml import read_package_xml
 from kg.extract.manifests.plugin_xml import exported_files, read_plugin_file
 from kg.extract.manifests.scripts import read_scripts
@@ -51,5 +51,6 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         reconfigure_files=tuple(dict.fromkeys([*collected.reconfigure_files, *own])),
         ros=manifest.package.ros,
         absent=collected.absent,
-        defined=tuple(sorted(collected.common.union(*(one.macros for one in collected.targets.values())))),
+        defined=tuple(sorted({*collected.common}.union(*(one.macros for one in collected.targets.values())))),
+        values=valued(collected.common),
     )

@@ -63,8 +63,8 @@ class _Target:
     output_name: str | None = None
     generated: list[str] = field(default_factory=list)
     """The texts of sources that are made while building."""
-    macros: set[str] = field(default_factory=set)
-    """The macros that are defined for this target."""
+    macros: dict[str, str] = field(default_factory=dict)
+    """The macros that are defined for this target, with what they stand for."""
 
 
 @dataclass(slots=True)
@@ -84,8 +84,8 @@ class Collected:
     plugin_files: dict[str, None] = field(default_factory=dict)
     absent: tuple[str, ...] = ()
     """The macros that only commands define that are not run."""
-    common: frozenset[str] = frozenset()
-    """The macros that are defined for all targets."""
+    common: Mapping[str, str] = field(default_factory=dict)
+    """The macros that are defined for all targets, with what they stand for."""
     installed: dict[tuple[str, str], None] = field(default_factory=dict)
     """Pairs of an installed file or folder and its source; folders end in a slash."""
 
@@ -115,7 +115,8 @@ class Collected:
             name: tuple(dict.fromkeys(self.aliases.get(link, link) for link in target.links if link != name))
             for name, target in self.targets.items()
         }
-        macros = set[str]().union(*(target.macros for target in self.targets.values())) - self.common
+        macros = set[str]().union(*(target.macros for target in self.targets.values())).difference(self.common)
+        own = {name: self._macros_of(name, links) for name in self.targets}
         return tuple(
             Target(
                 name,
@@ -124,20 +125,26 @@ class Collected:
                 links[name],
                 target.location,
                 target.output_name,
-                tuple(sorted(macros - self._macros_of(name, links))) if macros else (),
+                tuple(sorted(macros.difference(own[name]))),
+                valued(own[name]),
             )
             for name, target in self.targets.items()
         )
 
-    def _macros_of(self, name: str, links: Mapping[str, tuple[str, ...]]) -> set[str]:
-        """Return the macros that are defined for a target, or for one that it links."""
+    def _macros_of(self, name: str, links: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+        """Return the macros that are defined for a target, or for one that it links, with what they stand for."""
         reached = {name: None}
         pending = [name]
         while pending:
             following = [link for link in links[pending.pop()] if link in links and link not in reached]
             reached.update(dict.fromkeys(following))
             pending += following
-        return set[str]().union(*(self.targets[one].macros for one in reached))
+        return {macro: text for one in reversed(reached) for macro, text in self.targets[one].macros.items()}
+
+
+def valued(macros: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
+    """Return the macros that stand for something, with that."""
+    return tuple(sorted((name, text) for name, text in macros.items() if text))
 
 
 class _Targets:
@@ -390,7 +397,7 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
         run.run_file(path, own_folder=True)
     if run.stopped:
         reader.problem("KG122", "the file computes more than is followed", run.stopped.path, run.stopped.line)
-    model.common = frozenset(run.macros)
+    model.common = run.macros
     model.absent = tuple(sorted(run.left_out.difference(run.macros, *(one.macros for one in model.targets.values()))))
     if run.too_deep:
         reader.problem("KG114", "blocks nested deeper are left out", run.too_deep.path, run.too_deep.line)

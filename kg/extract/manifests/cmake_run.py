@@ -97,8 +97,8 @@ class Run:
         """Where the work that a package may cost was used up; nothing is run any more then."""
         self.too_deep: Location | None = None
         """The first block that was left out because it stands too deep."""
-        self.macros: set[str] = set()
-        """The macros that the commands define for C++."""
+        self.macros: dict[str, str] = {}
+        """The macros that the commands define for C++, with what they stand for."""
         self.left_out: set[str] = set()
         """The macros that commands in branches define that are not run."""
         self._frame = _Frame("", SOURCE)
@@ -304,12 +304,12 @@ class Run:
         return _Flow.NEXT
 
 
-def macros_of(command: str, words: Iterable[str]) -> Iterator[str]:
-    """Yield the macros that a command with some arguments defines for C++: `-DNAME`, `NAME=1`."""
+def macros_of(command: str, words: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield the macros that a command with some arguments defines for C++, with their texts: `-DNAME`, `NAME=1`."""
     for word in words if command in DEFINING else ():
-        name = word.removeprefix("-D").partition("=")[0]
+        name, _, text = word.removeprefix("-D").partition("=")
         if name.isidentifier() and (word.startswith("-D") or command.endswith("compile_definitions")):
-            yield name
+            yield name, text
 
 
 def _macros_in(statements: Sequence[Statement]) -> set[str]:
@@ -320,7 +320,7 @@ def _macros_in(statements: Sequence[Statement]) -> set[str]:
         one = pending.pop()
         if isinstance(one, Command):
             words = (word for argument in one.arguments for word in argument.text.split())
-            macros.update(macros_of(one.name, words))
+            macros.update(name for name, _ in macros_of(one.name, words))
         else:
             pending += [inner for _, body in one.branches for inner in body]
     return macros

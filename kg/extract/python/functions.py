@@ -114,6 +114,9 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
     def apply(values: list[Value]) -> Value:
         name = values[0].exact if values and isinstance(values[0], Text) else None
         parts = name.split("/") if name else []
+        parameter = getattr(values[0], "parameter", None) if values else None
+        if parameter is not None:  # a launch file that sets it means another type
+            return Unknown("it depends on a parameter", parameter)
         return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
 
     return apply

@@ -13,6 +13,7 @@ from kg.holes import Hole, label_of
 from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, is_unset, key_of, part_of, with_element
 from kg.symbolic.durations import INFINITE, duration
+from kg.symbolic.messages import GENERATED
 from kg.symbolic.operators import NULL
 from kg.symbolic.parameters import type_of_value, with_parameter
 from kg.symbolic.state import Alias, Arguments
@@ -140,13 +141,20 @@ def _attribute(language: Python, given: Arguments) -> Value:
     if len(given.values) < 2:  # noqa: PLR2004 - the value and the name
         return _COMPUTED
     members = [
-        language.member_named(of, name) if isinstance(name, Text) else _COMPUTED
+        _of_parameter(language.member_named(of, name), name) if isinstance(name, Text) else _COMPUTED
         for of, name in combinations(given.values[:2])
     ]
     if isinstance(given.values[0], Unknown):
         return _COMPUTED
     missing = all(isinstance(one, Unknown) for one in members)
     return given.values[2] if missing and len(given.values) > 2 else join(*members)  # noqa: PLR2004 - the default
+
+
+def _of_parameter(member: Value, name: Text) -> Value:
+    """Return a member, unless it is a type of messages that a parameter names, as launch files set it to others."""
+    if name.parameter is None or not isinstance(member, TypeValue) or GENERATED.isdisjoint(member.kind.names[:-1]):
+        return member
+    return Unknown("it depends on a parameter", name.parameter)
 
 
 def _set_attribute(language: Python, given: Arguments) -> Value:

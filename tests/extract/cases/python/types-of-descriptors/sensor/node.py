@@ -16,6 +16,9 @@ class Sensor(Node):
                 ("any", None, ParameterDescriptor(dynamic_typing=True)),
             ],
         )
+        self.declare_parameter("delay", 100, ParameterDescriptor(description="a model or a time", dynamic_typing=True))
+        delay = self.get_parameter("delay").get_parameter_value()
+        self.delay = 5 if delay.string_value == "slow" else int(delay.integer_value)
 
 
 def main():
