@@ -124,7 +124,7 @@ def robot_beside_master() -> Iterator[tuple[Robot, Callable[[], object]]]:
 def robot_elsewhere() -> Iterator[Robot]:
     """Run a robot over DDS on another host."""
     with hosts.host("robot") as name, hosts.cable(name, None):
-        command = [str(drivable.__file__), "dds://0?settle=1"]
+        command = [str(drivable.__file__), "dds://0"]
         with _process(command, before=hosts.on(name)) as process:
             found = Robot(process)
             found.cut = partial(pulled, name)
