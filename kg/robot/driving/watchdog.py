@@ -310,8 +310,9 @@ class _Watching:
         """Stop the topics that soon have as many subscribers as before; return the others, for another attempt."""
         for order, _ in owed:
             self._take(order)
-        back = await asyncio.gather(*(self._is_back(order[1], peers) for order, peers in owed))
-        left = [one for one, is_back in zip(owed, back, strict=True) if not is_back]
+        waiting = (self._is_back(order[1], peers) for order, peers in owed)
+        back = await asyncio.gather(*waiting, return_exceptions=True)  # an unknown type may be learned later
+        left = [one for one, is_back in zip(owed, back, strict=True) if is_back is not True]
         for order, _ in left:
             self._take(["forget", order[1]])
         return left if await self._stop("the robot was lost while it moved, and is back") else owed
