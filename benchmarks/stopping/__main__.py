@@ -3,7 +3,8 @@
     python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]... [--event EVENT]... [--by DRIVER]...
     unshare -n sh -c 'ip link set lo up; python -m benchmarks.stopping --cut'
 
-`--cut` takes the network away in some rows. `unshare` (as root) gives the benchmark a network of its own for that.
+`--cut` takes the network away in some rows. `unshare` (as root) gives the benchmark a network of its own for that. The
+robot is on this host, and a routing rule drops everything; over DDS it is on another host, and its cable is pulled.
 A command line (`kg robot do`), a program (`kg robot run`) or a page (`kg serve`) drives a robot in a process of its
 own; then something happens. A row has the least and the greatest seconds, or `no zero` if none came in `--seconds`.
 """
@@ -32,10 +33,12 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from ports import own_port  # noqa: E402 - what tests share is found by the line above
+from robot import hosts  # noqa: E402 - as above
 from robot.driving import drivable  # noqa: E402 - as above
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
 TOKEN: Final = "token-of-a-benchmark"  # noqa: S105 - it guards nothing
 DO: Final = ("do", "drivingAtVelocity", "forward=0.5", "--for", "600")
@@ -57,6 +60,7 @@ class Robot:
 
     def __init__(self, process: subprocess.Popen[str], address: str = "") -> None:
         self.address = address or _line(process)
+        self.cut: Callable[[], AbstractContextManager[None]] = cut
         self._speeds: queue.Queue[tuple[float, float]] = queue.Queue()
         self._stdout = process.stdout or ()
         threading.Thread(target=self._read, daemon=True).start()
@@ -117,23 +121,39 @@ def robot_beside_master() -> Iterator[tuple[Robot, Callable[[], object]]]:
 
 
 @contextmanager
+def robot_elsewhere() -> Iterator[Robot]:
+    """Run a robot over DDS on another host."""
+    with hosts.host("robot") as name, hosts.cable(name, None):
+        command = [str(drivable.__file__), "dds://0"]
+        with _process(command, before=hosts.on(name)) as process:
+            found = Robot(process)
+            found.cut = partial(pulled, name)
+            yield found
+
+
+@contextmanager
 def _robot(event: str, over: str) -> Iterator[tuple[Robot, Callable[[], object]]]:
     """Run the robot of a case, and give what ends its master, if it has one."""
     if over == ROS1 and (event == MASTER_STOPPED or event in CUTS):
         with robot_beside_master() as (found, end_master):
             yield found, end_master
+    elif over == DDS and event in CUTS:
+        with robot_elsewhere() as found:
+            yield found, lambda: None
     else:
         with robot(over) as found:
             yield found, lambda: None
 
 
 @contextmanager
-def _process(arguments: list[str], folder: str | None = None, **environment: str) -> Iterator[subprocess.Popen[str]]:
+def _process(
+    arguments: list[str], folder: str | None = None, before: tuple[str, ...] = (), **environment: str
+) -> Iterator[subprocess.Popen[str]]:
     """Run Python in a group of processes of its own, which is killed at the end."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
     paths = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
     with subprocess.Popen(
-        [sys.executable, *arguments],
+        [*before, sys.executable, *arguments],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=folder,
         env={**kept, "PYTHONPATH": paths, **environment}, start_new_session=True,
     ) as process:  # fmt: skip
@@ -198,13 +218,23 @@ def cut() -> Iterator[None]:
         _rule("del", "pref", "1")
 
 
+@contextmanager
+def pulled(name: str) -> Iterator[None]:
+    """Pull the cable of a host."""
+    hosts.plug(name, "down")
+    try:
+        yield
+    finally:
+        hosts.plug(name, "up")
+
+
 def _rule(*arguments: str) -> None:
     subprocess.run(["ip", "rule", *arguments], check=True)
 
 
 def _cut(found: Robot, begun: float, event: str, seconds: float) -> float | None:
     """Cut the network as long as the event says, and return the seconds from `begun` to zero."""
-    with cut():
+    with found.cut():
         at = found.until(0, CUTS[event] or seconds)
     return since(found, begun, seconds) if at is None and CUTS[event] else _after(at, begun)
 

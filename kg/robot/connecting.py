@@ -59,6 +59,9 @@ SCHEMES: Final = {
 """The module of each scheme; it has `async connect(address, name, types) -> Connection`."""
 
 
+_DISCOVERING: Final = {"dds", "rclpy", "zenoh"}
+
+
 def default_address() -> str:
     """Return the address from the environment: `$ROS_MASTER_URI`, or `$ROS_DOMAIN_ID` if ROS 2 is set up.
 
@@ -115,6 +118,11 @@ def number(address: str, text: str, hint: str) -> float:
 def is_recording(address: str) -> bool:
     """Return whether an address is that of a recording, which cannot be commanded."""
     return address.startswith("bag:")
+
+
+def is_discovered(address: str) -> bool:
+    """Return whether the nodes at an address are discovered, and disappear when they leave or cannot be reached."""
+    return scheme_of(address) in _DISCOVERING
 
 
 def not_commanded(address: str) -> RobotError:

@@ -14,6 +14,7 @@ from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.robot.clock import Clock, within
+from kg.robot.connecting import is_discovered
 from kg.robot.tasks import Tasks
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ Result = TypeVar("Result")
 _LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is connected
 _SEEN: Final = 0.5  # wall-clock seconds between checks whether a subscriber is back
 _AGAIN: Final = 60.0  # wall-clock seconds for which one that is back gets zero
-_CONFIRMATIONS: Final = 15  # how often subscribers are asked whether they have confirmed zero
+_CONFIRM: Final = 0.3  # wall-clock seconds in which the subscribers of a robot that was lost may confirm zero
+_CONFIRM_LATE: Final = 1.0  # the same where nothing else points to a loss
+_SILENCE: Final = 2.0  # wall-clock seconds without a confirmation after which a subscriber that leaves was out of reach
 _NOTICED: Final = 30.0  # wall-clock seconds within which a lost connection is noticed, and closed
 
 
@@ -81,6 +84,10 @@ class Channel:
         """Whether the message that was to end the last movement could not be sent."""
         self.repeats = False
         """Whether zero is sent again to subscribers that come back."""
+        self.needed = 1
+        """Number of subscribers that have to confirm zero: more than there are if some went out of reach."""
+        self.discovered = False
+        """Whether a subscriber that is out of reach disappears like one that leaves."""
         self._publication = publication
         self._clock = clock
         self._gap = 1 / limit
@@ -90,6 +97,9 @@ class Channel:
         self._sending = Tasks()
         self._peers = 0
         self._left = False
+        self._vanished = False
+        self._confirmed_at: float | None = None
+        self._asked = 0.0
         self._used = 0.0
 
     @property
@@ -114,13 +124,20 @@ class Channel:
         """Whether its last movement ended so recently that a loss of the robot since then was noticed only now."""
         return asyncio.get_running_loop().time() - self._used < _NOTICED
 
-    async def arrived(self) -> bool:
-        """Return whether there are subscribers and all confirm the last zero command, for which they have a moment."""
-        for _ in range(_CONFIRMATIONS):
-            if self.lost or not self._publication.peers or self._publication.confirmed:
-                break
+    @property
+    def doubtful(self) -> bool:
+        """Whether subscribers went out of reach during the last movement, or have not confirmed its end yet."""
+        confirms = self._confirmed_at is not None and self._publication.peers > 0
+        return self.last_zero is not None and (self.lost or self._vanished or confirms)
+
+    async def arrived(self, seconds: float = _CONFIRM) -> bool:
+        """Return whether all subscribers are there and confirm the last zero command within some seconds."""
+        end = asyncio.get_running_loop().time() + seconds
+        while not self.lost and self._publication.peers >= self.needed:
+            if self._publication.confirmed or asyncio.get_running_loop().time() > end:
+                return self._publication.confirmed
             await asyncio.sleep(_LOOK)
-        return not self.lost and self._publication.peers > 0 and self._publication.confirmed
+        return False
 
     async def repeat(self) -> None:
         """Send zero again to subscribers that come back, until all have confirmed it or a command owns the channel.
@@ -137,16 +154,38 @@ class Channel:
         self.repeats = False
 
     def _count_peers(self) -> int:
-        """Return the number of subscribers, and record whether one has left."""
+        """Return the number of subscribers, and record whether one has left, or went out of reach in a movement."""
         peers = self._publication.peers
-        self._left |= peers < self._peers
+        if peers < self._peers:
+            self._left = True
+            if self.zero is not None and self._is_silent(peers):
+                self._vanished, self.needed = True, max(self.needed, self._peers)
         self._peers = peers
         return peers
+
+    def _is_silent(self, others: int) -> bool:
+        """Return whether the subscriber that just disappeared was out of reach: it confirmed nothing for some time.
+
+        Where nothing is ever confirmed, the last subscriber to disappear might have been out of reach.
+        """
+        if self._confirmed_at is None:
+            return self.discovered and not others
+        return asyncio.get_running_loop().time() - self._confirmed_at > _SILENCE
+
+    def _note_confirmation(self) -> None:
+        """Record at times that subscribers confirm what they get."""
+        now = asyncio.get_running_loop().time()
+        if now - self._asked >= _SEEN:
+            self._asked = now
+            if self._publication.confirmed and self._publication.peers:  # without subscribers, all have confirmed
+                self._confirmed_at = now
 
     def take(self, command: Command) -> None:
         """Give the channel to a command; the previous one ends, and the new one takes over its movement."""
         earlier, self._holder = self._holder, command
         self._used = asyncio.get_running_loop().time()
+        if self.zero is None:
+            self._vanished, self.needed = False, 1
         if earlier is not None:
             earlier.end("taken over")
 
@@ -167,11 +206,18 @@ class Channel:
         wait = min(self._free - self._clock.now(), self._gap)  # a clock that was set back causes no long wait
         if wait > 0:
             await self._clock.sleep(wait)
+        self._note_confirmation()
         if self._count_peers() == 0:
-            raise RobotError("KG824", f"no node listens to `{self.topic}` any more")
+            raise self._unheard()
         self._free = self._clock.now() + self._gap
         await self._send(message)
         command.sent += 1
+
+    def _unheard(self) -> RobotError:
+        if not self._vanished:
+            return RobotError("KG824", f"no node listens to `{self.topic}` any more")
+        message = f"the subscriber of `{self.topic}` is out of reach: it disappeared, and confirmed no message before"
+        return RobotError("KG824", message, hint="Check the network, and whether the robot is moving.")
 
     async def release(self, command: Command) -> None:
         """Give the channel back; a current movement is stopped."""
@@ -183,9 +229,9 @@ class Channel:
         """Stop the current movement, whoever owns the channel; with `again`, also send zero if it has ended before."""
         self._holder = None
         zero = self.zero or (self.last_zero if again else None)
-        self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
             self._count_peers()
+            self.zero, self.last_zero = None, zero
             try:
                 await self._send(zero())
                 self.lost = False
@@ -330,13 +376,17 @@ class Doing:
             finally:
                 if self._watchdog is not None and channel.zero is None:
                     owed = channel.lost or (route.moves and self.lost and not await channel.arrived())
-                    await (self._watchdog.owe if owed else self._watchdog.forget)(plan.name)
+                    if owed:
+                        await self._watchdog.owe(plan.name, channel.needed)
+                    else:
+                        await self._watchdog.forget(plan.name)
 
     async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
         if topic not in self.channels:
             # Latched, the final zero command also reaches subscribers that reconnect later.
             publication = await self._connection.advertise(topic, kind, latch=latch)
             self.channels[topic] = Channel(topic, kind, publication, self._connection.clock, self._limit)
+            self.channels[topic].discovered = is_discovered(self._connection.address)
             if (before := self._released.pop(topic, None)) is not None:
                 self.channels[topic].last_zero = before.last_zero
         return self.channels[topic]
@@ -442,14 +492,14 @@ class Doing:
     async def aclose(self) -> None:
         """Stop publishing all topics; the watchdog is left with those that might still move."""
         self._repeating.cancel()
-        moved = [one for one in self.channels.values() if one.recent and (one.lost or self.lost)]
-        doubtful = [one.topic for one in moved if not await one.arrived()]
+        moved = [one for one in self.channels.values() if one.recent and (self.lost or one.doubtful)]
+        owed = [one for one in moved if not await one.arrived(_CONFIRM if self.lost else _CONFIRM_LATE)]
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:
             if self._watchdog is not None:
-                for topic in doubtful:
-                    await self._watchdog.owe(topic)
+                for one in owed:
+                    await self._watchdog.owe(one.topic, one.needed)
                 await self._watchdog.release()
 
 

@@ -49,6 +49,8 @@ _CLOCK: Final = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
 _Order: TypeAlias = list[Any]
 """What the controller sends: a word, and what it is about."""
+_Owed: TypeAlias = list[tuple[_Order, int]]
+"""Topics to stop later: the order that has their zero, and the number of their subscribers."""
 
 
 class Watchdog:
@@ -103,10 +105,13 @@ class Watchdog:
         """Stop publishing a topic that has stopped; a later movement publishes it again."""
         await self._send(["withdraw", topic])
 
-    async def owe(self, topic: str) -> None:
-        """Have zero sent to a topic when the robot can be reached again: it was lost before it could be stopped."""
+    async def owe(self, topic: str, peers: int) -> None:
+        """Have zero sent to a topic when the robot can be reached again: it was lost before it could be stopped.
+
+        That is when the topic has as many subscribers as before.
+        """
         self._watched.discard(topic)
-        await self._send(["owe", topic])
+        await self._send(["owe", topic, peers])
 
     def late(self) -> RobotError | None:
         """Return the error KG828 if this process has sent no heartbeat for too long, None otherwise.
@@ -189,9 +194,9 @@ async def _watch(address: str, silence: float) -> None:
         await connection.aclose()
 
 
-def _leave_to_another(address: str, owed: list[_Order]) -> None:
+def _leave_to_another(address: str, owed: _Owed) -> None:
     """Start the process that stops the robot later; who waits for the output of the controller need not wait for it."""
-    topics = ", ".join(f"`{order[1]}`" for order in owed)
+    topics = ", ".join(f"`{order[1]}`" for order, _ in owed)
     _report("KG828", f"the robot was lost while it moved; for {_AGAIN:.0f} s, kg tries to send zero to {topics}")
     command = (sys.executable, "-P", "-c", f"from {__name__} import stop_later; stop_later()", address)
     stderr = None if sys.stderr.isatty() else subprocess.DEVNULL
@@ -208,21 +213,21 @@ def stop_later() -> None:
     asyncio.run(_stop_later(sys.argv[1], json.load(sys.stdin)))
 
 
-async def _stop_later(address: str, owed: list[_Order]) -> None:
+async def _stop_later(address: str, owed: _Owed) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(_AGAIN):
-            while not await _stopped(address, owed):  # noqa: ASYNC110 - no event reports that a robot is back
+            while owed := await _stop_reached(address, owed):  # noqa: ASYNC110 - no event reports that a robot is back
                 await asyncio.sleep(_LOOK)
 
 
-async def _stopped(address: str, owed: list[_Order]) -> bool:
-    """Try to stop the topics of orders once; return whether that worked, for the robot might be lost again."""
+async def _stop_reached(address: str, owed: _Owed) -> _Owed:
+    """Try to stop topics once, as a new node, which others discover at once; return those that are left."""
     try:
         connection = await connect(address, name=f"{NODES}{os.getpid()}")
     except (RobotError, OSError):  # a TimeoutError is an OSError
-        return False
+        return owed
     try:
-        return await _Watching(connection, _SILENCE).stop_all(owed)
+        return await _Watching(connection, _SILENCE).stop_reached(owed)
     finally:
         await connection.aclose()
 
@@ -235,7 +240,7 @@ class _Watching:
         self._silence = silence
         self._last_beat = 0.0
         self._released = False
-        self._owed: dict[str, _Order] = {}
+        self._owed: dict[str, tuple[_Order, int]] = {}
         self._moving: dict[str, _Order] = {}
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
@@ -245,8 +250,8 @@ class _Watching:
         self._cancellers: dict[str, asyncio.Task[Cancel]] = {}
 
     @property
-    def owed(self) -> list[_Order]:
-        """The orders of the topics that are to be stopped when the robot can be reached again."""
+    def owed(self) -> _Owed:
+        """The topics that are to be stopped when the robot can be reached again."""
         return list(self._owed.values())
 
     async def run(self) -> None:
@@ -282,6 +287,7 @@ class _Watching:
                     self._publications[topic] = asyncio.ensure_future(offering)
                     self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
                 self._zeros[topic], self._moving[topic] = zero, order
+                self._owed.pop(topic, None)
             case ["goal", identity, action]:
                 if action not in self._cancellers:
                     self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action))
@@ -293,18 +299,32 @@ class _Watching:
             case ["withdraw", topic]:
                 if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
                     self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
-            case ["owe", topic]:  # the zero of a topic that is stopped when the robot is back
+            case ["owe", topic, peers]:  # the zero of a topic that is stopped when the robot is back
                 self._zeros.pop(topic, None)
                 if topic in self._moving:
-                    self._owed[topic] = self._moving[topic]
+                    self._owed[topic] = self._moving[topic], peers
             case ["end"]:
                 self._released = True
 
-    async def stop_all(self, orders: list[_Order]) -> bool:
-        """Stop the topics of orders at once; return whether all commands were sent."""
-        for order in orders:
+    async def stop_reached(self, owed: _Owed) -> _Owed:
+        """Stop the topics that soon have as many subscribers as before; return the others, for another attempt."""
+        for order, _ in owed:
             self._take(order)
-        return await self._stop("the robot was lost while it moved, and is back")
+        waiting = (self._is_back(order[1], peers) for order, peers in owed)
+        back = await asyncio.gather(*waiting, return_exceptions=True)  # an unknown type may be learned later
+        left = [one for one, is_back in zip(owed, back, strict=True) if is_back is not True]
+        for order, _ in left:
+            self._take(["forget", order[1]])
+        return left if await self._stop("the robot was lost while it moved, and is back") else owed
+
+    async def _is_back(self, topic: str, peers: int) -> bool:
+        """Return whether a topic has so many subscribers within some seconds."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_PEERS):
+                while (await self._publications[topic]).peers < peers:  # noqa: ASYNC110 - no event reports new peers
+                    await asyncio.sleep(_PAUSE)
+                return True
+        return False
 
     async def _stop(self, why: str) -> bool:
         """Stop everything in parallel, so one unreachable peer delays no other; return whether all was sent."""
@@ -324,10 +344,7 @@ class _Watching:
 
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]
-        with suppress(TimeoutError):
-            async with asyncio.timeout(_PEERS):
-                while not publication.peers:  # noqa: ASYNC110 - no event reports new peers
-                    await asyncio.sleep(_PAUSE)
+        await self._is_back(topic, 1)
         for _ in range(_TIMES):
             if topic in self._zeros:  # the controller is back and moves it with a new command
                 return

@@ -249,7 +249,8 @@ def test_the_zero_of_a_movement_that_just_ended_is_owed() -> None:
     owed: list[str] = []
 
     class Recording(Watchdog):
-        async def owe(self, topic: str) -> None:
+        async def owe(self, topic: str, peers: int) -> None:
+            del peers
             owed.append(topic)
 
     async def scene() -> None:

@@ -13,6 +13,7 @@ from patience import patient
 
 from kg.robot.connecting import connect
 from kg.robot.driving import Watchdog
+from kg.robot.driving.watchdog import NODES
 from kg.robot.ros1 import Master
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def test_a_robot_that_was_lost_is_stopped_when_it_is_back(before: str) -> None:
                     if any(end.name == TOPIC for end in graph.ends):
                         break
                 await base.aclose()
-            _, said = await process.communicate(f'{before}["owe", "{TOPIC}"]\n["end"]\n'.encode())
+            _, said = await process.communicate(f'{before}["owe", "{TOPIC}", 1]\n["end"]\n'.encode())
             assert b"was lost while it moved" in said
             async with Master(port=int(master.address.rpartition(":")[2])) as master:
                 base = await connect(master.address, name="/base")
@@ -105,6 +106,33 @@ def test_a_robot_that_was_lost_is_stopped_when_it_is_back(before: str) -> None:
                     if not graph.nodes:
                         break
                 await base.aclose()
+
+    asyncio.run(scene())
+
+
+def test_all_subscribers_that_were_lost_are_waited_for() -> None:
+    """Zero is sent once a topic has as many subscribers as before: the lost one need not be the first to be back."""
+
+    async def scene() -> None:
+        async with Master() as master, asyncio.timeout(patient(20)):
+            monitor = await connect(master.address, name="/monitor")
+            seen = aiter(await monitor.subscribe(TOPIC, KIND, queue=100))
+            process = await _process(master.address, NEVER)
+            await process.communicate(f'{MOVED}["owe", "{TOPIC}", 2]\n["end"]\n'.encode())
+            async for graph in monitor.changes():
+                if any(end.name == TOPIC and end.node.startswith(NODES) for end in graph.ends):
+                    break
+            base = await connect(master.address, name="/base")
+            received = aiter(await base.subscribe(TOPIC, KIND, queue=100))
+            for messages in (received, seen):
+                for _ in range(5):
+                    await anext(messages)
+            async for graph in base.changes():
+                if not any(node.name.startswith(NODES) for node in graph.nodes):
+                    break
+            await base.aclose()
+            await monitor.aclose()
+            assert [one async for one in seen] == []
 
     asyncio.run(scene())
 
