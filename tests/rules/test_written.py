@@ -87,8 +87,8 @@ def test_what_is_written_is_what_would_be_read(changes: list[tuple[str, NamedNod
             dictionary, found = written.take(graphs)
             again = Dictionary()
             stored = read(transaction, EVERYTHING, graphs, again)
-            known = {graph: tuples(facts, dictionary) for graph, facts in found.items()}
-            assert known == {graph: tuples(stored[graph], again) for graph in known}
+            known = {graph: tuples(facts.copy(), dictionary) for graph, facts in found.items()}
+            assert known == {graph: tuples(stored[graph].copy(), again) for graph in known}
 
 
 def test_a_graph_that_was_only_loaded_need_not_be_read(tmp_path: Path) -> None:
