@@ -270,7 +270,7 @@ def union_of(parts: Iterable[Facts | Packed], pages: Pages | None = None) -> Fac
             for predicate, keys in part:
                 columns[predicate].append(keys)
         for predicate, pieces in columns.items():
-            result.add(predicate, union(*pieces))
+            result.replace(predicate, union(result.keys(predicate), *pieces))
     return result
 
 
