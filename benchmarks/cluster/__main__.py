@@ -3,11 +3,14 @@
     python benchmarks/cluster equality [--rounds 20] [--copies 10] [--fetch]
     python benchmarks/cluster overhead CHECKOUT [--copies 1 2] [--repeat 3]
     python benchmarks/cluster memory CHECKOUT... [--copies 10 77 300]
+    python benchmarks/cluster writer CHECKOUT... [--copies 10 77 300]
     python benchmarks/cluster rules STORE [--parts 1 2 4]
 
 `rules` compares one process with processes that run the local rules of parts of a store (`dividing.py`).
 Repositories are copies of the checkouts, by default of the example workspace, with other names of packages.
-Times are of processors, summed over all processes; memory is the proportional size of a process, at its peak.
+`writer` measures the process that writes, with all packages read before.
+Times are of processors, summed over all processes; memory is the proportional size of a process, at its peak. Of the
+process that writes, the anonymous part is given too: the rest are pages of files, which the system can drop.
 """
 
 from __future__ import annotations
@@ -60,7 +63,7 @@ _KILL_WITHIN: Final = 0.7
 def main() -> None:
     """Read the command line and print a table in Markdown."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("what", choices=["equality", "overhead", "memory", "rules"])
+    parser.add_argument("what", choices=["equality", "overhead", "memory", "writer", "rules"])
     parser.add_argument("checkouts", nargs="*", type=Path, default=[_EXAMPLES / "rover", _EXAMPLES / "drone"])
     parser.add_argument("--copies", type=int, nargs="+")
     parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4])
@@ -78,6 +81,8 @@ def main() -> None:
             )
         elif options.what == "overhead":
             _overhead(Path(folder), options.checkouts, options.copies or [1, 2], options.repeat)
+        elif options.what == "writer":
+            _writer(Path(folder), options.checkouts, options.copies or [10, 77, 300])
         else:
             _memory(Path(folder), options.checkouts, options.copies or [10, 77, 300])
 
@@ -205,10 +210,12 @@ def _equality(folder: Path, checkouts: list[Path], number: int, rounds: int, *, 
 
 @dataclass
 class _Use:
-    """What a command used, by role of the process: processor seconds, and the largest peak in megabytes."""
+    """What a command used, by role of the process: processor seconds, and the largest peaks in megabytes."""
 
     seconds: dict[str, float] = field(default_factory=dict)
     peaks: dict[str, float] = field(default_factory=dict)
+    own: dict[str, float] = field(default_factory=dict)
+    """The same of anonymous memory, which belongs to no file."""
 
 
 def _measured(*arguments: str) -> _Use:
@@ -229,12 +236,13 @@ def _measured(*arguments: str) -> _Use:
             if role == "other" and _READER in _file(one, "cmdline"):
                 role = roles[one] = "reader"
             spent[one] = max(spent.get(one, 0.0), _processor_seconds(one))
-            size = _megabytes(one)
+            size, own = _megabytes(one)
             if role == "reader":  # with the fork of it that reads
                 parent = int((_fields(one) or [b"", b"0"])[1])
                 group = parent if parent in readers else one
                 size = readers[group] = readers.get(group, 0.0) + size
             use.peaks[role] = max(use.peaks.get(role, 0.0), size)
+            use.own[role] = max(use.own.get(role, 0.0), own)
         time.sleep(_PAUSE_SECONDS)
     said.join()
     if process.returncode:
@@ -287,6 +295,24 @@ def _memory(folder: Path, checkouts: list[Path], copies: list[int]) -> None:
         shutil.rmtree(artifacts)
 
 
+def _writer(folder: Path, checkouts: list[Path], copies: list[int]) -> None:
+    print("| repositories | peak of the process that writes, anonymous / all | processor seconds |\n|---|---|---|")
+    for number in copies:
+        named = _repositories(folder / "src", checkouts, number)
+        store = folder / f"store{number}"
+        command = ("build", *named, "--store", str(store))
+        _measured(*command)
+        for name in ("store", "changes"):
+            shutil.rmtree(store / name)
+        (store / "current").unlink()
+        use = _measured(*command)
+        print(
+            f"| {number} | {use.own['build']:.0f} / {use.peaks['build']:.0f} MB | {use.seconds['build']:.1f} |",
+            flush=True,
+        )
+        shutil.rmtree(store)
+
+
 _CODE: Final = frozenset({".cpp", ".cc", ".hpp", ".h", ".py"})
 
 
@@ -322,9 +348,10 @@ def _processor_seconds(process: int) -> float:
     return (int(fields[11]) + int(fields[12])) / _TICKS if fields else 0.0
 
 
-def _megabytes(process: int) -> float:
-    lines = _file(process, "smaps_rollup").splitlines()
-    return next((int(line.split()[1]) / 1e3 for line in lines if line.startswith(b"Pss:")), 0.0)
+def _megabytes(process: int) -> tuple[float, float]:
+    """Return the proportional size of a process, and the anonymous part of it."""
+    sizes = {line.split()[0]: int(line.split()[1]) / 1e3 for line in _file(process, "smaps_rollup").splitlines()[1:]}
+    return sizes.get(b"Pss:", 0.0), sizes.get(b"Pss_Anon:", 0.0)
 
 
 def _file(process: int, name: str) -> bytes:

@@ -17,7 +17,7 @@ from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import division, rules_over
 from kg.rules.columns import EVERYTHING, by_predicate, lines, read, union_of
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import Facts, absorb, distinct, lacking
+from kg.rules.engine.facts import Facts, Packed, absorb, distinct, lacking
 from kg.rules.engine.terms import Dictionary
 from kg.rules.partitions import verdicts
 from kg.rules.recording import Names
@@ -107,9 +107,9 @@ def _divisible(rules: Sequence[Rule], local: Sequence[bool]) -> list[Rule]:
     return [rules[number] for number in sorted(found)]
 
 
-def _groups(columns: dict[NamedNode | None, Facts], base: str, number: int) -> list[Facts]:
+def _groups(columns: dict[NamedNode | None, Packed], base: str, number: int) -> list[Facts]:
     """Return the facts of parts of about the same size: those of some sources, with what all share."""
-    owned: dict[str, list[Facts]] = {}
+    owned: dict[str, list[Packed]] = {}
     common = []
     for graph, facts in columns.items():
         kind, _, rest = (graph.value if graph else "").removeprefix(f"{base}graph/").partition("/")
@@ -117,7 +117,7 @@ def _groups(columns: dict[NamedNode | None, Facts], base: str, number: int) -> l
             owned.setdefault(rest.partition("/-/")[0], []).append(facts)
         else:  # ontologies, what sources share, and starts
             common.append(facts)
-    groups: list[list[Facts]] = [[] for _ in range(number)]
+    groups: list[list[Packed]] = [[] for _ in range(number)]
     for _, given in sorted(owned.items(), key=lambda one: -sum(map(len, one[1]))):
         min(groups, key=lambda group: sum(map(len, group))).extend(given)
     return [union_of([*common, *group]) for group in groups]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kg.pipeline.plan import Key
     from kg.pipeline.state import PackageState, Question
 
-_DECODED: Final = 64
+_DECODED: Final = 16
 """Number of packages with decoded node types in memory; systems of a package start nodes of few others."""
 
 

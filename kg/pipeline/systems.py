@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _SMALL: Final = 2
 """A graph is patched if less than this fraction of its triples change (1/n)."""
-_BATCH_BYTES: Final = 8 << 20
+_BATCH_BYTES: Final = 4 << 20
 """Size of content after which graphs are written together."""
 _STARTED_WITH: Final = f" {v.STARTED_WITH} ".encode()
 

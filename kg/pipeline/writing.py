@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-_FLUSH_BYTES: Final = 8 << 20
+_FLUSH_BYTES: Final = 4 << 20
 """Size of the waiting content of all sources after which it is written."""
 _OWN: Final = re.compile(f" (?:{re.escape(v.BYTES)}|{re.escape(v.DIGEST)}) ".encode())
 """Properties of a file stated only by its own package."""

@@ -17,12 +17,12 @@ import numpy as np
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
 from kg.lazily import lazily
-from kg.rules.engine.facts import Facts, Keys, gathered, pack, union, unpack
+from kg.rules.engine.facts import Facts, Keys, Packed, Shelf, gathered, pack, union, unpack
 from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -38,7 +38,10 @@ _SMALL: Final = 20_000
 _PIECE_BYTES: Final = 4 << 20
 _OBJECT: Final = np.int64((1 << 32) - 1)
 
-_ROWS: Final = 1 << 15
+_TOGETHER: Final = 256
+"""How many sets are united at once."""
+
+_ROWS: Final = 1 << 12
 """How many lines are made at once."""
 
 _AUXILIARY: Final = b"<" + AUXILIARY.encode()
@@ -139,7 +142,7 @@ def read_columns(source: Tables, what: Wanted, graphs: Iterable[NamedNode | None
 
 def read(
     source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
-) -> dict[NamedNode | None, Facts]:
+) -> dict[NamedNode | None, Packed]:
     """Return the wanted triples of each graph by itself."""
     by_graph: dict[NamedNode | None, defaultdict[int, list[Keys]]] = {graph: defaultdict(list) for graph in graphs}
     large = list(by_graph)
@@ -158,7 +161,15 @@ def read(
     for query, graph, text in _texts(source, _queries(what), large):
         for predicate, keys in query.keys(text, dictionary):
             by_graph[graph][predicate].append(keys)
-    return {graph: gathered(columns, dictionary.pages) for graph, columns in by_graph.items()}
+    shelf = Shelf(dictionary.pages)
+    result = {graph: shelf.add(packed(columns, dictionary.pages)) for graph, columns in by_graph.items()}
+    shelf.move()
+    return result
+
+
+def packed(columns: Mapping[int, Sequence[Keys]], pages: Pages | None) -> Packed:
+    """Return the triples of columns in pieces, as `gathered`."""
+    return Packed.of(gathered(columns, pages), pages)
 
 
 def only(
@@ -246,19 +257,20 @@ def _texts(
             yield query, graph, rows.result()
 
 
-def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
+def union_of(parts: Iterable[Facts | Packed], pages: Pages | None = None) -> Facts:
     """Return the triples that any of some sets has; the sets of one are shared. Large arrays go to `pages`."""
     every = list(parts)
     if len(every) == 1:
         return every[0].copy()
     result = Facts(pages=pages)
     # There may be a thousand sets, with few of all predicates each.
-    columns: defaultdict[int, list[Keys]] = defaultdict(list)
-    for part in every:
-        for predicate, keys in part:
-            columns[predicate].append(keys)
-    for predicate, pieces in columns.items():
-        result.replace(predicate, union(*pieces))
+    for begin in range(0, len(every), _TOGETHER):
+        columns: defaultdict[int, list[Keys]] = defaultdict(list)
+        for part in every[begin : begin + _TOGETHER]:
+            for predicate, keys in part:
+                columns[predicate].append(keys)
+        for predicate, pieces in columns.items():
+            result.replace(predicate, union(result.keys(predicate), *pieces))
     return result
 
 
@@ -273,7 +285,9 @@ def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> Facts:
     return gathered({predicate: [keys] for predicate, keys in by_predicate(rows_of(triples, dictionary))})
 
 
-def patched(facts: Facts, patches: Iterable[tuple[bytes, bytes]], dictionary: Dictionary) -> tuple[Facts, set[int]]:
+def patched(
+    facts: Facts | Packed, patches: Iterable[tuple[bytes, bytes]], dictionary: Dictionary
+) -> tuple[Facts, set[int]]:
     """Return the columns of a graph after patches, and the predicates that these name."""
     result, touched = facts.copy(), set[int]()
     parts = ((adds, text) for patch in patches for adds, text in enumerate(patch) if text.strip())

@@ -19,7 +19,7 @@ import numpy as np
 from pyoxigraph import NamedNode
 
 from kg.rules.columns import graph_name
-from kg.rules.engine.facts import Facts, Keys
+from kg.rules.engine.facts import Facts, Keys, Packed
 from kg.rules.engine.terms import Dictionary, Spellings
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16
-_FORM: Final = b"kg columns 3"
+_FORM: Final = b"kg columns 4"
 """Goes into the digest; another one for each arrangement of the file."""
 _HEADER: Final = _DIGEST_BYTES + 8
 """Where the header begins, behind its length."""
 _WORDS: Final = 512
 """Words of eight bytes of a page."""
-_PIECE_BYTES: Final = 8 << 20
+_PIECE_BYTES: Final = 1 << 20
 
 
 @dataclass(slots=True)
@@ -54,7 +54,7 @@ class Memory:
     digest: str
     names: Names
     dictionary: Dictionary
-    graphs: dict[NamedNode | None, Facts] = field(default_factory=dict)
+    graphs: dict[NamedNode | None, Packed] = field(default_factory=dict)
     asserted: Facts = field(default_factory=Facts)
     inferred: Facts = field(default_factory=Facts)
     written: Facts = field(default_factory=Facts)
@@ -68,7 +68,7 @@ def save(cache: Path, memory: Memory) -> None:
     begins: dict[int, int] = {}
     sections: list[list[tuple[int, int, int]]] = []
     size = 0
-    for facts in (memory.inferred, memory.asserted, memory.written, *memory.graphs.values()):
+    for facts in (memory.inferred, memory.asserted, memory.written):
         sections.append([])
         for predicate, keys in facts:
             if id(keys) not in begins:
@@ -76,14 +76,15 @@ def save(cache: Path, memory: Memory) -> None:
                 arrays.append(keys)
                 size += keys.size
             sections[-1].append((predicate, begins[id(keys)], keys.size))
+    arrays += [part.words for part in memory.graphs.values()]
     pages = memory.dictionary.pages
     terms, texts = memory.dictionary.whole()
     header = {
         "digest": memory.digest,
         "names": [memory.names.inferred.value, memory.names.builds.value, memory.names.base, memory.names.vocabulary],
-        "graphs": list(map(graph_name, memory.graphs)),
+        "graphs": [(graph_name(graph), part.words.size) for graph, part in memory.graphs.items()],
         "sections": sections,
-        "keys": size,
+        "keys": sum(keys.size for keys in arrays),
         "terms": len(terms),
     }
     line = json.dumps(header, separators=(",", ":")).encode()
@@ -145,10 +146,14 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     dictionary = Dictionary(Spellings(content[place + order.nbytes :], ends, sums, order))
     # Sets share arrays, as when they were saved: comparing these takes no time.
     array = cache(lambda begin, size: keys[begin : begin + size])
-    inferred, asserted, written, *parts = (
+    inferred, asserted, written = (
         Facts({predicate: array(begin, size) for predicate, begin, size in section}) for section in header["sections"]
     )
-    graphs = dict(zip((NamedNode(name) if name else None for name in header["graphs"]), parts, strict=True))
+    begin = keys.size - sum(size for _, size in header["graphs"])
+    graphs = {
+        NamedNode(name) if name else None: Packed(keys[begin : (begin := begin + size)])
+        for name, size in header["graphs"]
+    }
     own, builds, base, vocabulary = header["names"]
     names = Names(NamedNode(own), NamedNode(builds), base, vocabulary)
     return Memory(generation, header["digest"], names, dictionary, graphs, asserted, inferred, written)

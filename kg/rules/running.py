@@ -23,6 +23,7 @@ from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -45,7 +46,7 @@ from kg.rules.columns import (
     union_of,
 )
 from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
-from kg.rules.engine.facts import Facts, absorb, gathered, lacking, union
+from kg.rules.engine.facts import EMPTY, NOTHING, Facts, Keys, Packed, absorb, gathered, lacking, union
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.rules.maintain import Maintained
@@ -345,8 +346,12 @@ class Reasoner:
         now = self._updated_inferred(memory, source, changes)
         parts, touched = _read_again(memory, source, graphs, changes)
         asserted = memory.asserted.copy()
-        for predicate in touched:
-            asserted.replace(predicate, union(*(part.keys(predicate) for part in (*parts.values(), data))))
+        again: dict[int, list[Keys]] = {predicate: [] for predicate in touched}
+        for predicate, keys in chain(*parts.values(), data):
+            if predicate in again:
+                again[predicate].append(keys)
+        for predicate, pieces in again.items():
+            asserted.replace(predicate, union(*pieces))
         inserted, deleted = lacking(asserted, memory.asserted), lacking(memory.asserted, asserted)
         following = Memory(None, self._digest, self._names, memory.dictionary, parts, asserted, memory.inferred)
         if (len(inserted) + len(deleted)) * _LARGE > len(asserted):
@@ -378,29 +383,30 @@ class Reasoner:
 
 def _read_again(
     memory: Memory, source: Tables, graphs: list[NamedNode | None], changes: Changes
-) -> tuple[dict[NamedNode | None, Facts], set[int]]:
+) -> tuple[dict[NamedNode | None, Packed], set[int]]:
     """Return the columns of all graphs, and the predicates of which triples may have come or gone.
 
     Graphs of unknown changes are read, others are patched.
     """
-    parts: dict[NamedNode | None, Facts] = {}
+    parts: dict[NamedNode | None, Packed] = {}
     touched: set[int] = set()
     changed = changes.graphs or {}
     again = [graph for graph in graphs if graph not in memory.graphs or changed.get(graph_name(graph), ()) is None]
     fresh = read(source, EVERYTHING, again, memory.dictionary)
     for graph in graphs:
-        before = memory.graphs.get(graph, Facts())
+        before = memory.graphs.get(graph, NOTHING)
         if graph in fresh:
-            after = parts[graph] = fresh[graph]
-            predicates = {*before.predicates, *after.predicates}
-            touched |= {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
+            parts[graph], after, earlier = fresh[graph], dict(fresh[graph]), dict(before)
+            predicates = earlier.keys() | after.keys()
+            touched |= {one for one in predicates if not np.array_equal(earlier.get(one, EMPTY), after.get(one, EMPTY))}
         elif patches := changed.get(graph_name(graph)):
-            parts[graph], named = patched(before, patches, memory.dictionary)
+            facts, named = patched(before, patches, memory.dictionary)
+            parts[graph] = Packed.of(facts)
             touched |= named
         else:
             parts[graph] = before
     for gone in memory.graphs.keys() - parts.keys():
-        touched.update(memory.graphs[gone].predicates)
+        touched.update(dict(memory.graphs[gone]))
     return parts, touched
 
 

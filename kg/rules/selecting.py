@@ -14,6 +14,7 @@ its generation.
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from functools import cached_property, lru_cache, partial
 from itertools import chain, islice, pairwise
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
@@ -24,7 +25,7 @@ from pyoxigraph import NamedNode, Store
 from kg.rules import memory as memories
 from kg.rules.columns import graph_name, patched, stated, union_of
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, Facts, pack, unpack
+from kg.rules.engine.facts import EMPTY, NOTHING, Facts, Packed, pack, unpack
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver
 from kg.rules.engine.tables import Table, concatenate, distinct_rows
@@ -62,13 +63,13 @@ def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
     if changed is None:
         return snapshot
     builds = memory.names.builds
-    parts = {graph_name(graph): facts for graph, facts in memory.graphs.items()}
+    parts: dict[str, Facts | Packed] = {graph_name(graph): part for graph, part in memory.graphs.items()}
     parts[memory.names.inferred.value] = memory.written
     for graph, patches in changed.items():
         if graph != builds.value:
             if patches is None:
                 return snapshot
-            parts[graph] = patched(parts.get(graph, Facts()), patches, memory.dictionary)[0]
+            parts[graph] = patched(parts.get(graph, NOTHING), patches, memory.dictionary)[0]
     # Rules do not read the record of builds, which is short.
     parts[builds.value] = stated(snapshot.engine.quads_for_pattern(None, None, None, builds), memory.dictionary)
     return Columns(snapshot, memory.dictionary, parts)
@@ -77,7 +78,9 @@ def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
 class Columns:
     """The triples of each graph of a generation as columns."""
 
-    def __init__(self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts]) -> None:
+    def __init__(
+        self, snapshot: EmbeddedSnapshot, dictionary: Dictionary, graphs: Mapping[str, Facts | Packed]
+    ) -> None:
         """`graphs` are named by IRI; the default graph has the empty name."""
         self.dictionary = dictionary
         self.graphs = graphs
@@ -149,7 +152,7 @@ class Columns:
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
         """Return what a graph says: the values of each property, by its IRI, of each subject."""
-        facts = list(self.graphs.get(graph, Facts()))
+        facts = list(self.graphs.get(graph, NOTHING))
         subjects, objects = unpack(np.concatenate([EMPTY, *(keys for _, keys in facts)]))
         predicates = np.repeat([one for one, _ in facts], [keys.size for _, keys in facts]).astype(np.int64)
         return self._grouped(subjects, predicates, objects)
@@ -285,8 +288,9 @@ def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
     return Row
 
 
-def _together(parts: Sequence[Facts]) -> Facts:
+def _together(parts: Sequence[Facts | Packed]) -> Facts:
     """Return the triples of some sets, each as often as sets have it; they are only read."""
-    predicates = {predicate for part in parts for predicate in part.predicates}
-    every = {one: np.concatenate([part.keys(one) for part in parts]) for one in predicates}
-    return Facts({one: np.sort(keys, kind="stable") for one, keys in every.items()})
+    every: defaultdict[int, list[Keys]] = defaultdict(list)
+    for predicate, keys in chain(*parts):
+        every[predicate].append(keys)
+    return Facts({one: np.sort(np.concatenate(several), kind="stable") for one, several in every.items()})

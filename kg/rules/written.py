@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode, RdfFormat, parse
 
-from kg.rules.columns import by_predicate, graph_name, rows_of
-from kg.rules.engine.facts import Facts, gathered
+from kg.rules.columns import by_predicate, graph_name, packed, rows_of
+from kg.rules.engine.facts import Keys, Packed, Shelf
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
@@ -32,7 +32,9 @@ class Written(Changes):
         super().__init__()
         self._pages = Pages(cache)
         self._dictionary = Dictionary(pages=self._pages)
-        self._columns: dict[str, dict[int, list[NDArray[np.int64]]]] | None = {}
+        self._parts: dict[str, list[Packed]] | None = {}
+        """For each graph what was read together: pairs in any order, and any number of times."""
+        self._shelf = Shelf(self._pages)
         self._unknown: set[str] = set()
         self._graph = ""
         self._waiting: list[bytes] = []
@@ -42,19 +44,19 @@ class Written(Changes):
         """Begin with the content of a graph, as `so_far` returned it, before anything else is noted."""
         super().replace(graph)
         self._dictionary = Dictionary.of(terms, self._pages)
-        self._columns = {graph: {predicate: [np.frombuffer(keys, np.int64)] for predicate, keys in columns.items()}}
+        whole = Packed.of((predicate, np.frombuffer(keys, np.int64)) for predicate, keys in columns.items())
+        self._parts = {graph: [self._shelf.add(whole)]}
 
     def so_far(self, graph: str) -> tuple[list[bytes], dict[int, bytes]]:
         """Return the terms noted so far, and the pairs of each predicate of a graph; both are known."""
         self._read()
-        columns = gathered((self._columns or {}).get(graph, {}))
         terms = self._dictionary.spellings(range(1, len(self._dictionary)))
-        return terms, {predicate: keys.tobytes() for predicate, keys in columns}
+        return terms, {predicate: keys.tobytes() for predicate, keys in self._gathered(graph)}
 
     def forget(self) -> None:
         """Note that any graph may have changed."""
         super().forget()
-        self._columns = None
+        self._parts = None
 
     def replace(self, *graphs: str) -> None:
         """Note that some graphs have a content that is not known."""
@@ -66,8 +68,8 @@ class Written(Changes):
         super().replace(*graphs)
         self._read()
         self._unknown.difference_update(graphs)
-        if self._columns is not None:
-            self._columns.update({graph: {} for graph in graphs})
+        if self._parts is not None:
+            self._parts.update({graph: [] for graph in graphs})
 
     def load(self, graph: str, lines: bytes) -> None:
         """Note that N-Triples were added to a graph."""
@@ -101,7 +103,7 @@ class Written(Changes):
         self._add(graph, added)
 
     def _add(self, graph: str, lines: bytes) -> None:
-        if self._columns is None or graph in self._unknown:
+        if self._parts is None or graph in self._unknown:
             return
         if graph != self._graph:
             self._read()
@@ -115,29 +117,34 @@ class Written(Changes):
         """Put the lines that wait into columns."""
         lines = b"".join(self._waiting)
         self._waiting, self._bytes = [], 0
-        if self._columns is None or self._graph in self._unknown:
+        if self._parts is None or self._graph in self._unknown:
             return
-        columns = self._columns.setdefault(self._graph, {})
-        tables = list(by_predicate(_rows(lines, self._dictionary)))
-        if not tables:
-            return
-        every = self._pages.store(np.concatenate([keys for _, keys in tables]))
-        begin = 0
-        for predicate, keys in tables:
-            columns.setdefault(predicate, []).append(every[begin : begin + keys.size])
-            begin += keys.size
+        part = Packed.of(by_predicate(_rows(lines, self._dictionary)))
+        if len(part):
+            self._parts.setdefault(self._graph, []).append(self._shelf.add(part))
 
-    def take(self, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
+    def _gathered(self, graph: str) -> Packed:
+        """Return the triples of a graph."""
+        columns: dict[int, list[Keys]] = {}
+        for part in (self._parts or {}).get(graph, ()):
+            for predicate, keys in part:
+                columns.setdefault(predicate, []).append(keys)
+        return packed(columns, self._pages)
+
+    def count(self, graph: str) -> int | None:
+        """Return the number of triples in a graph, None if they are not known."""
+        self._read()
+        known = self._parts is not None and graph in self._parts and graph not in self._unknown
+        return len(self._gathered(graph)) if known else None
+
+    def take(self, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Packed]]:
         """Return the triples of those graphs that are known, and keep no more from now on."""
         self._read()
-        result: dict[NamedNode | None, Facts] = {}
-        columns = self._columns or {}
-        for graph in graphs if self._columns is not None else ():
-            name = graph_name(graph)
-            if name not in self._unknown:
-                result[graph] = gathered(columns.pop(name, {}), self._pages)
+        known = [one for one in graphs if self._parts is not None and graph_name(one) not in self._unknown]
+        result = {graph: self._shelf.add(self._gathered(graph_name(graph))) for graph in known}
+        self._shelf.move()
         dictionary = self._dictionary
-        self._columns, self._dictionary = None, Dictionary()
+        self._parts, self._dictionary = None, Dictionary()
         self._pages.release()
         return dictionary, result
 

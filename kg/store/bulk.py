@@ -43,10 +43,8 @@ with lazily():
     from concurrent.futures import ThreadPoolExecutor
 
 _THREADS: Final = 2
-_LEAST_BYTES: Final = 2 << 20
-"""Batches of at least this size get a thread of their own."""
-_MOST_BYTES: Final = 4 << 20
-"""Largest batch; the engine uses several times as much memory. Larger batches are not faster per triple."""
+_BATCH_BYTES: Final = 2 << 20
+"""Size of a batch. The engine uses several times as much memory; larger batches are not faster per triple."""
 _QUAD_BYTES: Final = 150
 """Approximate size of a quad in N-Quads."""
 _FEW: Final = 2500
@@ -114,15 +112,16 @@ def _load_all(
             size += len(batch)
             plain, others = split_blank(batch)
             if plain:
+                wait_for(_THREADS - 1)
                 waiting.append(pool.submit(one, plain))
-                wait_for(_THREADS)
-            blank.append(others)
-            if sum(map(len, blank)) >= _MOST_BYTES:
+            if others:
+                blank.append(others)
+            if sum(map(len, blank)) >= _BATCH_BYTES:
                 wait_for(0)
                 _extend(engine, blank, quads)
         wait_for(0)
     _extend(engine, blank, quads)
-    if size > _LEAST_BYTES:
+    if size > _BATCH_BYTES:
         give_back()
     return size
 
@@ -173,26 +172,25 @@ def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad])
 
 
 def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
-    """Join small chunks, and split large ones to occupy all threads."""
+    """Join small chunks, and split large ones at line ends."""
     batch: list[bytes] = []
     size = 0
     for chunk in chunks:
         batch.append(chunk)
         size += len(chunk)
-        if size >= _THREADS * _MOST_BYTES:
-            text = b"".join(batch)
+        if size >= _BATCH_BYTES:
+            yield from _split(b"".join(batch))
             batch, size = [], 0
-            yield from _split(text)
     if batch:
         yield from _split(b"".join(batch))
 
 
 def _split(text: bytes) -> Iterator[bytes]:
-    """Split text at line ends, into enough parts to occupy all threads and none too large."""
-    number = max(-(-len(text) // _MOST_BYTES), min(_THREADS, len(text) // _LEAST_BYTES), 1)
+    """Split text at line ends into parts of at least a batch's size."""
     begin = 0
-    for part in range(1, number + 1):
-        end = len(text) if part == number else text.find(b"\n", len(text) * part // number) + 1 or len(text)
-        if end > begin:
-            yield text[begin:end]
-        begin = max(begin, end)
+    while len(text) - begin >= 2 * _BATCH_BYTES:
+        end = text.find(b"\n", begin + _BATCH_BYTES) + 1 or len(text)
+        yield text[begin:end]
+        begin = end
+    if begin < len(text):
+        yield text[begin:]

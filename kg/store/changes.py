@@ -71,6 +71,10 @@ class Changes:
         if patches is not None:
             patches.append((removed, added))
 
+    def count(self, graph: str) -> int | None:  # noqa: ARG002 - for subclasses that store triples
+        """Return the number of triples in a graph, None if they are not stored here."""
+        return None
+
     def follow(self, later: Changes) -> None:
         """Append later changes."""
         if later.graphs is None:

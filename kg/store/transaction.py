@@ -198,6 +198,8 @@ class EmbeddedTransaction:
     def count(self, graph: NamedNode | DefaultGraph) -> int:
         """Return the current number of triples in a graph."""
         with self._begun():
+            if (known := self.changes.count(_name(graph))) is not None:
+                return known
             rows = self._engine.query("SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }", default_graph=graph)
             return int(next(cast("QuerySolutions", rows))["n"].value)
 

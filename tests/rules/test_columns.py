@@ -41,8 +41,8 @@ def triples(store: Store, *, small: int) -> dict[NamedNode | None, set[tuple[str
     return {
         graph: {
             tuple(str(dictionary.term(number)) for number in (int(key) >> 32, predicate, int(key) & 0xFFFFFFFF))
-            for predicate in facts.predicates
-            for key in facts.keys(predicate)
+            for predicate, keys in facts
+            for key in keys
         }
         for graph, facts in found.items()
     }

@@ -89,7 +89,7 @@ def test_every_way_of_writing_keeps_labels(before: set[Quad], added: set[Quad], 
 
 def test_a_node_of_a_large_graph_is_one_node(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A hub in several batches of a large graph remains one node."""
-    monkeypatch.setattr(bulk, "_LEAST_BYTES", 1000)
+    monkeypatch.setattr(bulk, "_BATCH_BYTES", 1000)
     lines = b"".join(b"_:hub <urn:test:p> <urn:test:%d> .\n" % number for number in range(1000))
     store = EmbeddedStore.create(tmp_path / ".kg")
     with store.write("test") as transaction:

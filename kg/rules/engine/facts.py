@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -21,6 +21,8 @@ _FEW: Final = 8
 _SAMPLE: Final = 256
 _VERY_FEW: Final = 64
 """So many pairs or fewer are put in or taken out by copying the stretches between them."""
+_SHELF_BYTES: Final = 1 << 18
+"""Packed sets wait in memory until they have this size."""
 EMPTY: Final = np.empty(0, np.int64)
 
 
@@ -303,6 +305,75 @@ class Facts:
         other._starts = dict(self._starts)
         other._fan_outs = dict(self._fan_outs)
         return other
+
+
+class Packed:
+    """An unchanging set of triples in one array, for sets that are small and many.
+
+    The array has the number of predicates, each predicate with the number of its pairs, and their pairs, sorted.
+    """
+
+    __slots__ = ("words",)
+
+    def __init__(self, words: Keys) -> None:
+        """Take an array as `of` makes it."""
+        self.words = words
+
+    @classmethod
+    def of(cls, columns: Iterable[tuple[int, Keys]], pages: Pages | None = None) -> Packed:
+        """Return the pairs of predicates, each given once; large ones in `pages`."""
+        every = list(columns)
+        sizes = [number for predicate, keys in every for number in (predicate, keys.size)]
+        arrays = [np.array([len(every), *sizes], np.int64), *(keys for _, keys in every)]
+        large = pages is not None and sum(array.nbytes for array in arrays) > _SHELF_BYTES
+        return cls(pages.join(arrays) if pages is not None and large else np.concatenate(arrays))
+
+    def _sizes(self) -> list[list[int]]:
+        """Return each predicate with the number of its pairs."""
+        return self.words[1 : 1 + 2 * int(self.words[0])].reshape(-1, 2).tolist()
+
+    def __len__(self) -> int:
+        return self.words.size - 1 - 2 * int(self.words[0])
+
+    def __iter__(self) -> Iterator[tuple[int, Keys]]:
+        """Yield each predicate with its keys."""
+        begin = self.words.size - len(self)
+        for predicate, size in self._sizes():
+            yield predicate, self.words[begin : (begin := begin + size)]
+
+    def copy(self) -> Facts:
+        """Return the same as a set that can be changed."""
+        return Facts(dict(self))
+
+
+NOTHING: Final = Packed.of(())
+
+
+class Shelf:
+    """Moves packed sets to a file, many at a time."""
+
+    def __init__(self, pages: Pages | None) -> None:
+        """Without `pages` they stay in memory."""
+        self._pages = pages
+        self._parts: list[Packed] = []
+        self._bytes = 0
+
+    def add(self, part: Packed) -> Packed:
+        """Return a set that is moved with the next ones."""
+        if part.words.flags.writeable:  # not in the file yet
+            self._parts.append(part)
+            self._bytes += part.words.nbytes
+        if self._bytes > _SHELF_BYTES:
+            self.move()
+        return part
+
+    def move(self) -> None:
+        """Move the sets added last."""
+        if self._pages is not None and self._parts:
+            begin, words = 0, self._pages.join([part.words for part in self._parts])
+            for part in self._parts:
+                part.words = words[begin : (begin := begin + part.words.size)]
+        self._parts, self._bytes = [], 0
 
 
 def common(facts: Facts, others: Facts) -> Facts:

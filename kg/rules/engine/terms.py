@@ -31,7 +31,7 @@ _KINDS[0x5F::0x100] = BLANK
 _KINDS[0x22::0x100] = LITERAL
 
 
-_RECENT: Final = 1 << 16
+_RECENT: Final = 1 << 14
 """So many terms are held in memory, where there is a file for the others."""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kg.rules.engine import terms
-from kg.rules.engine.facts import Facts
+from kg.rules.engine.facts import Facts, Packed, Shelf
 from kg.rules.engine.pages import SMALL_BYTES, Pages
 from kg.rules.engine.terms import Dictionary
 
@@ -36,6 +36,19 @@ def test_an_array_stays_when_its_pages_are_released(tmp_path: Path) -> None:
     kept = pages.store(numbers(5))
     pages.release()
     assert np.array_equal(kept, numbers(5))
+
+
+def test_packed_sets_stay_the_same_in_the_file(tmp_path: Path) -> None:
+    """Small sets that are moved together keep their predicates and pairs, and take no memory of their own."""
+    shelf = Shelf(Pages(tmp_path))
+    sets = [{1: np.arange(one), 2 + one: np.arange(5)} for one in range(1, 9)]
+    packed = [shelf.add(Packed.of(columns.items())) for columns in sets]
+    shelf.move()
+    for columns, moved in zip(sets, packed, strict=True):
+        assert {predicate: keys.tolist() for predicate, keys in moved} == {
+            predicate: keys.tolist() for predicate, keys in columns.items()
+        }
+        assert not moved.words.flags.owndata
 
 
 def test_a_view_keeps_its_place(tmp_path: Path) -> None:
