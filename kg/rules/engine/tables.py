@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-CHUNK: Final = 1 << 16
+CHUNK: Final = 1 << 19
 """Rows that a join gives at once, about: one that would give over twice as many is to be done in pieces."""
 
 
