@@ -150,7 +150,7 @@ def _rules(
         if whole[stated.group.span.end :].strip():
             return None  # a final VALUES is joined after counting, which rules cannot express
         stated = replace(stated, group=_simpler(stated.group, Counter(names), chosen))
-        rules = decompose(stated, "query", "query", whole)
+        rules = decompose(stated, "query", "query", whole, alone=True)
     except KgError:
         return None
     if any(isinstance(element, EngineBlock) for rule in rules for element, _ in readers_of(rule.body)):

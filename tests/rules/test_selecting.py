@@ -12,6 +12,7 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.rules import selecting
 from kg.rules.files import RuleSet
+from kg.rules.questions import question
 from kg.rules.recording import Names
 from kg.rules.running import Runner
 from kg.rules.selecting import Columns, columns_of
@@ -168,6 +169,15 @@ def test_whole_answers_are_those_of_the_store(tmp_path: Path, monkeypatch: pytes
             assert columns.answer(inexact, prefixes=PREFIXES) is None
         for selective in ("SELECT DISTINCT ?s { ?s :p :c }", "SELECT DISTINCT ?o { :b :p ?o }"):
             assert columns.answer(selective, prefixes=PREFIXES) is None
+
+
+def test_a_question_with_several_lists_of_classes_is_one_rule() -> None:
+    """One for each choice from the lists would read the store as often."""
+    classes = " ".join(f":c{number}" for number in range(12))
+    lists = f"{{ VALUES ?one {{ {classes} }} ?s a ?one }} {{ VALUES ?other {{ {classes} }} ?o a ?other }}"
+    asked = question(f"SELECT ?s ?o {{ ?s :p ?o {lists} }}", {"": "urn:"})
+    assert asked is not None
+    assert len(asked.rules) == 1
 
 
 def test_later_patches_are_followed(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ what keeps the number of solutions is taken apart.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
@@ -37,7 +38,7 @@ Statement = tuple[tuple[form.Atom, ...], tuple["form.Element", ...]]
 """A head and a body."""
 
 MOST_ROWS: Final = 16
-"""How many rows of VALUES become rules of their own."""
+"""How many rows of VALUES, or choices from several, become rules of their own."""
 
 
 def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names: Names) -> Statement | None:
@@ -104,11 +105,12 @@ def _check_blocks(body: tuple[form.Element, ...]) -> None:
             raise IndivisibleError
 
 
-def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[form.Rule, ...]:
+def decompose(rule: RuleText, name: str, path: str, text: str, *, alone: bool = False) -> tuple[form.Rule, ...]:
     """Return the rules that together derive what a rule as written derives, and those of its auxiliary predicates.
 
     `text` is the file's, which spans count in, and `path` what places name. The parts count from one; none at all come
-    of a rule whose pattern has no solution in any graph. RuleError KG203 for a variable of the head that the pattern
+    of a rule whose pattern has no solution in any graph. One that runs `alone` keeps its VALUES as they are, since it
+    depends on no other rule. RuleError KG203 for a variable of the head that the pattern
     never binds, KG201 and KG209 for calls of functions that rules cannot call.
     """
     written = normalise(text)
@@ -120,33 +122,31 @@ def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[form.Rul
     except IndivisibleError:
         work = Work(rule, text, path)
         statements = [_whole(work)]
-    statements = [unfolded for statement in statements for unfolded in _unfolded(*statement)]
+    if not alone:
+        statements = [unfolded for statement in statements for unfolded in _unfolded(*statement)]
     place = work.place(rule.span)
     every = dict.fromkeys([*statements, *_auxiliary(work, statements)])
     return tuple(form.Rule(name, head, body, place, part) for part, (head, body) in enumerate(every, 1))
 
 
 def _unfolded(head: tuple[form.Atom, ...], body: tuple[form.Element, ...]) -> Iterator[Statement]:
-    """Yield one rule for each row of a VALUES that lists predicates or classes.
+    """Yield one rule for each row of the VALUES that list predicates or classes; the rule itself where that are many.
 
     Each then names what it reads and writes. With a variable there, a rule depends on all that derive any predicate or
     any class, and most negations become cycles.
     """
     names = {*form.names_in(head), *form.names_in(body)}
-    for element in body:
-        if (
-            isinstance(element, form.Values)
-            and names.intersection(element.variables)
-            and 1 < len(element.rows) <= MOST_ROWS
-        ):
-            for row in element.rows:
-                cells = zip(element.variables, row, strict=True)
-                terms = {variable: term for variable, term in cells if isinstance(term, NamedNode)}
-                one = form.Values(element.variables, (row,))
-                rest = form.filled((one if each is element else each for each in body), terms)
-                yield from _unfolded(tuple(atom.replaced(terms) for atom in head), rest)
-            return
-    yield head, body
+    lists = [one for one in body if isinstance(one, form.Values) and names.intersection(one.variables)]
+    lists = [one for one in lists if 1 < len(one.rows) <= MOST_ROWS]
+    if not lists or math.prod(len(one.rows) for one in lists) > MOST_ROWS:
+        yield head, body
+        return
+    for row in lists[0].rows:
+        cells = zip(lists[0].variables, row, strict=True)
+        terms = {variable: term for variable, term in cells if isinstance(term, NamedNode)}
+        one = form.Values(lists[0].variables, (row,))
+        rest = form.filled((one if each is lists[0] else each for each in body), terms)
+        yield from _unfolded(tuple(atom.replaced(terms) for atom in head), rest)
 
 
 def _auxiliary(work: Work, statements: list[Statement]) -> Iterator[Statement]:

@@ -98,7 +98,7 @@ def _parts(prologue: str, where: str) -> tuple[Rule, ...]:
     head = " . ".join(f"{_ROW} {_ROW} ?{name}" for name in sorted(names))
     rule = f"{prologue}CONSTRUCT {{ {head} }} WHERE {where}"
     try:
-        return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule)
+        return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule, alone=True)
     except RuleError as error:
         if error.code not in {_UNBOUND, _REFUSED}:
             raise
