@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 _ROS2: Final = 2
 _PARENT: Final = f"{{{PARENT}}}/"
 _HOLDS: Final = f" {HOLDS}"
-_SEVERAL: Final = 2
 _OF_NODE: Final = "the name or namespace of the node is part of it"
 
 
@@ -92,10 +91,12 @@ def facts_of(
 
 def _with_one_condition(interface: Interface) -> Interface:
     """Return an interface with the innermost condition of the code alone, which says most, beside its parameters."""
-    conditions = [one for one in interface.switches if one.endswith(_HOLDS)]
-    if len(conditions) < _SEVERAL:
-        return interface
-    return replace(interface, switches=tuple(one for one in interface.switches if one not in conditions[:-1]))
+    outer = [one for one in interface.switches if one.endswith(_HOLDS)][:-1]
+    return (
+        replace(interface, switches=tuple(one for one in interface.switches if one not in outer))
+        if outer
+        else interface
+    )
 
 
 def _covered(name: str | None, names: set[str | None]) -> bool:

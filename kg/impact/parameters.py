@@ -67,16 +67,18 @@ def _meant(record: Record, name: str) -> set[str]:
     return {one for one in families if known_letters(one) == closest}
 
 
-def _owned(subject: Subject, world: World) -> list[Record]:
-    return [record for record in world.nodes(subject) if has_parameter(record, subject)]
+def _owned(subject: Subject, world: World) -> Iterator[tuple[Record, set[str]]]:
+    """Yield the node types that have the parameter that is meant, each with the names that mean it there."""
+    for record in world.nodes(subject):
+        if has_parameter(record, subject):
+            yield record, _meant(record, subject.name)
 
 
 def parameter_about(subject: Subject, world: World) -> list[str]:
     """Return the types and defaults of a parameter."""
     declared = [
         one
-        for record in _owned(subject, world)
-        for meant in [_meant(record, subject.name)]
+        for record, meant in _owned(subject, world)
         for one in record.node.parameters
         if one.name and _bare(one.name) in meant
     ]
@@ -86,16 +88,15 @@ def parameter_about(subject: Subject, world: World) -> list[str]:
 
 def parameter_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield what depends on the name of a parameter: code, what sets it, and the channels that it names or enables."""
-    for record in _owned(subject, world):
-        yield from _code(subject, record)
+    for record, meant in _owned(subject, world):
+        yield from _code(record, meant)
     for system in world.systems(subject):
         for instance in system.instances:
             yield from _started(subject, system, instance)
 
 
-def _code(subject: Subject, record: Record) -> Iterator[Effect]:
+def _code(record: Record, meant: set[str]) -> Iterator[Effect]:
     node = f"{record.package}/{record.node.name}"
-    meant = _meant(record, subject.name)
 
     def is_meant(name: str | None) -> bool:
         return name is not None and _bare(name) in meant

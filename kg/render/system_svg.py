@@ -152,7 +152,7 @@ def system_svg(graph: SystemGraph) -> str:
         zip(links, places.ways[: len(links)], strict=True), key=lambda one: (one[0][0].key, one[0][1], one[0][2])
     )
     ends = {(link.member, link.channel, link.outward): link for link in graph.links}
-    legend, legend_wide = _legend(graph)
+    legend, legend_wide = _legend(graph, drawing.joining)
     notes = f"Not shown: {', '.join(graph.hidden)}." if graph.hidden else ""
     across = max(places.wide, legend_wide, width(graph.title) * 10.3, width(notes) * _SMALL)
     size_x, size_y = int(across + 2 * _MARGIN), int(_HEAD + places.high + _MARGIN + (22 if notes else 0))
@@ -269,8 +269,8 @@ def _way(bundle: Bundle, links: Sequence[Link], points: Sequence[tuple[float, fl
     )
 
 
-def _legend(graph: SystemGraph) -> tuple[list[str], float]:
-    """Return the key of signs, and where it ends."""
+def _legend(graph: SystemGraph, joining: Iterable[Bundle]) -> tuple[list[str], float]:
+    """Return the key of signs, and where it ends; `joining` are the bundles that lines are drawn to."""
     kinds = [kind for kind in _WORDS if any(channel.kind == kind for channel in graph.channels)]
     drawn, x = [], float(_MARGIN)
     for kind in kinds:
@@ -286,8 +286,8 @@ def _legend(graph: SystemGraph) -> tuple[list[str], float]:
         words.append("? name not known")
     if any(member.reason or member.condition for member in graph.members):
         words.append("dashed: what it does, or whether it starts, is not known")
-    joining = {channel.key for one in bundles(graph) if not one.dangling for channel in one.channels}
-    if any(link.condition and link.channel in joining for link in graph.links):
+    drawn_to = {channel.key for one in joining for channel in one.channels}
+    if any(link.condition and link.channel in drawn_to for link in graph.links):
         words.append("dotted: only under a condition that is not decided")
     words += [f"{SIGNS[state]}{state}" for state in (State.NEW, State.GONE, State.CHANGED) if state in states]
     text = "   ".join(words)

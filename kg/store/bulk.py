@@ -130,10 +130,13 @@ def _extend(engine: Engine, blank: list[bytes], quads: Callable[[bytes], Iterabl
     """Add lines with blank nodes, and empty the list."""
     lines = b"".join(blank)
     blank.clear()
-    if lines.count(b"\n") > _FEW:
-        engine().bulk_extend(quads(lines))
-    elif lines:
-        engine().extend(quads(lines))
+    if lines:
+        _put(engine, quads(lines), lines.count(b"\n"))
+
+
+def _put(engine: Engine, quads: Iterable[Quad], number: int) -> None:
+    """Add so many quads in the way that costs least."""
+    (engine().extend if number <= _FEW else engine().bulk_extend)(quads)
 
 
 def _placed(graph: Graph, lines: bytes) -> Iterator[Quad]:
@@ -164,11 +167,8 @@ def exchange(engine: Engine, removed: Collection[Quad], added: Collection[Quad])
     """Remove and add quads; return the approximate number of bytes loaded in bulk."""
     for quad in removed:
         engine().remove(quad)
-    if len(added) <= _FEW:
-        engine().extend(added)
-        return 0
-    engine().bulk_extend(added)
-    return len(added) * _QUAD_BYTES
+    _put(engine, added, len(added))
+    return len(added) * _QUAD_BYTES if len(added) > _FEW else 0
 
 
 def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:

@@ -307,8 +307,8 @@ class Machine:
                     return ended if ended != "exit" else None
             terms.append((*negated, *terms_of(holds)))
             arms.append((condition, body))
-            unknown = condition_at(statement, condition, holds, frame, unknown)
-            with self._under((*terms[-1], *(unknown if self.notes_conditions else ()))):
+            unknown = condition_at(statement, condition, holds, frame, unknown) if self.notes_conditions else ()
+            with self._under((*terms[-1], *unknown)):
                 narrow = narrowed(self, arms, frame)
                 written, ended = attempt(self._journal, narrow, partial(self.run, body, frame))
             sides.append(written)

@@ -159,10 +159,12 @@ class Project:
 
     def _headers_with_macros(self, contents: dict[FilePath, bytes]) -> Iterator[bytes]:
         """Yield the headers of other packages that define macros which files call as declarations."""
-        own = {name for data in contents.values() for name in _DEFINED.findall(data)}
-        for file, data in contents.items():
-            if not own.issuperset(DECLARING.findall(data)):
-                headers = (self.include(file, path.decode("utf-8", "replace")) for path in _INCLUDED.findall(data))
+        called = {file: names for file, data in contents.items() if (names := DECLARING.findall(data))}
+        own = {name for data in contents.values() for name in _DEFINED.findall(data)} if called else set[bytes]()
+        for file, names in called.items():
+            if not own.issuperset(names):
+                paths = _INCLUDED.findall(contents[file])
+                headers = (self.include(file, path.decode("utf-8", "replace")) for path in paths)
                 yield from filter(None, map(self._content, filter(None, headers)))
 
     def close(self) -> None:
