@@ -251,7 +251,7 @@ def _other_node(one: Declared, alone: tuple[str, str]) -> str | None:
 def _switch(term: str, naming: str | None) -> str | None:
     """Return a term of a guard as a switch; None if it is about the presence of an argument or what is set.
 
-    An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too. Who
+    An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too. Whoever
     sets it wants the interface, so conditions of the code do not count there.
     """
     if term == f"?{naming}":

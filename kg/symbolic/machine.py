@@ -82,7 +82,7 @@ class Machine:
     most_turns = 64
     most_repeats = 2
     counts_endless = False  # whether loops whose condition always holds run turn by turn
-    notes_conditions = True  # whether guards have conditions that nothing decides; in callbacks, they hold some time
+    notes_conditions = True  # whether guards have conditions that no parameter decides; not in callbacks
 
     def __init__(self, language: Language, framework: Framework) -> None:
         self.language = language

@@ -53,7 +53,7 @@ def narrowed(machine: Machine, arms: Sequence[Arm], frame: Frame) -> Slots:
 def condition_at(
     branch: form.Branch, condition: Expression | None, holds: Value, frame: Frame, before: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return the term of a side of a branch that something else than parameters decides; none of other sides.
+    """Return the term of a side of a branch that something other than parameters decides; none of other sides.
 
     `before` is that of the side before: where what decides it is unknown, the others depend on that too.
     """

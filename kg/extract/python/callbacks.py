@@ -34,7 +34,7 @@ class Callbacks:
         self._fields: dict[tuple[int, str], dict[str, Any]] = {}
         """The fields of objects that functions are bound to, by the identity of these and the name of the field."""
         self._around: dict[tuple[int, int], tuple[Frame, list[tuple[str, str]], list[str]]] = {}
-        """The same of objects and variables around functions, which are looked up each time."""
+        """The same for objects and variables around functions, which are looked up each time."""
 
     def register(self, called: Closure) -> None:
         """Add a function."""
