@@ -82,7 +82,7 @@ class Machine:
     most_turns = 64
     most_repeats = 2
     counts_endless = False  # whether loops whose condition always holds run turn by turn
-    notes_conditions = True  # whether guards have conditions that no parameter decides; not in callbacks
+    notes_conditions = True  # whether guards have conditions that no parameter decides; not if each holds some day
 
     def __init__(self, language: Language, framework: Framework) -> None:
         self.language = language
@@ -208,7 +208,7 @@ class Machine:
         while self.queue:
             self.queue.popleft()()
 
-    def schedule(self, key: object, work: Callable[[], object]) -> None:
+    def schedule(self, key: object, work: Callable[[], object], *, notes_conditions: bool = False) -> None:
         """Run a callback later, as part of the calls and conditions that lead to it now, once for each key."""
         if key in self.queued:
             return
@@ -216,7 +216,7 @@ class Machine:
 
         def run() -> None:
             outer = self.stack, self.guards, self.notes_conditions
-            self.stack, self.guards, self.notes_conditions = list(stack), list(guards), False
+            self.stack, self.guards, self.notes_conditions = list(stack), list(guards), notes_conditions
             try:
                 work()
             finally:

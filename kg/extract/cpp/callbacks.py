@@ -153,12 +153,14 @@ class Callbacks:
         self._schedule(called, always=True)
 
     def _schedule(self, called: Closure | Bound, *, always: bool = False) -> None:
+        machine = self._language.machine
         key: tuple[object, ...]
         if isinstance(called, Closure):
-            key = (id(called.function), id(this_of(called.frame)), called.captured)
+            key, configures = (id(called.function), id(this_of(called.frame)), called.captured), False
         else:
             key = (called.name, id(called.of), called.functions, called.given)
-        self._language.machine.schedule(key, partial(self._run, called, always=always))
+            configures = always or (called.name, id(called.of)) in machine.framework.called_later
+        machine.schedule(key, partial(self._run, called, always=always), notes_conditions=configures)
 
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""

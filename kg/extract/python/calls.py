@@ -309,7 +309,9 @@ class Calls:
         self._callbacks.register(called)
         owners = tuple(id(one) for one in called.bound if isinstance(one, Object))
         key = (id(called.function), owners or id(called.frame.this))
-        self._language.machine.schedule(key, partial(self._called_back, called))
+        machine = self._language.machine
+        configures = any((called.function.name, owner) in machine.framework.called_later for owner in owners)
+        machine.schedule(key, partial(self._called_back, called), notes_conditions=configures)
 
     def _called_back(self, called: Closure) -> None:
         """Run a callback after any others, and after itself."""

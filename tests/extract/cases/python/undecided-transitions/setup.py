@@ -1,0 +1,7 @@
+from setuptools import setup
+
+setup(
+    name="demo",
+    packages=["demo"],
+    entry_points={"console_scripts": ["driver = demo.driver:main"]},
+)
