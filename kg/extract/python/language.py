@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from kg.extract.python import library
 from kg.extract.python.calls import CLASS, Calls, public
 from kg.extract.python.functions import elements
-from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, Modules, PythonUnit, mentions_ros
+from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, PLAIN, Modules, PythonUnit, mentions_ros
 from kg.extract.python.texts import percent
 from kg.holes import fits
 from kg.symbolic import form
@@ -254,7 +254,7 @@ class Python:
             elif current.cls not in classes:
                 classes[current.cls] = None
                 pending = [*self._bases.get(current.cls, ()), *pending]  # depth first, as Python where no base recurs
-        return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
+        return [(cls, {}) for cls in classes], self._with_node(outside, classes)
 
     def subclasses(self, cls: Class) -> Sequence:
         """Return the classes of the program that have a class as a base, in the order of their definitions."""
@@ -266,13 +266,22 @@ class Python:
         return Sequence(tuple(TypeValue(kind_of_class(one)) for one in derived))
 
     @staticmethod
-    def _as_node(base: Kind, classes: Iterable[Class]) -> Kind:
-        """Return a base outside of the build; what is called a node and used as one of ROS 2 is presumed to be one."""
-        if not base.name.endswith("Node") or base.names[0] in FRAMEWORKS:
-            return base
-        if not any(_OF_NODES.search(cast("PythonUnit", cls.unit).source) for cls in classes):
-            return base
-        return Kind(("rclpy", "LifecycleNode" if "Lifecycle" in base.name else "Node"))
+    def _with_node(outside: list[Kind], classes: Iterable[Class]) -> list[Kind]:
+        """Return the bases outside of the build; one is presumed to be a node if the methods call themselves as one.
+
+        If it is named like a node, its constructor is presumed to get the name of the node first.
+        """
+        unknown = [base for base in outside if base.names[0] not in FRAMEWORKS | PLAIN]
+        if len(unknown) != len(outside) or not unknown:
+            return outside
+        methods = (one for cls in classes for several in cls.methods.values() for one in several)
+        if not any(_OF_NODES.search(getattr(one.source, "text", None) or b"") for one in methods):
+            return outside
+        base = next((one for one in unknown if one.name.endswith("Node")), None)
+        name = "PresumedNode" if base is None else "LifecycleNode" if "Lifecycle" in base.name else "Node"
+        presumed = base or unknown[0]
+        node = Kind(("rclpy", name), arguments=(TypeValue(presumed),) if base is None else ())
+        return [node if one is presumed else one for one in outside]
 
     def methods(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
         """Return the methods of a name, those of the class before those of its bases."""
