@@ -233,7 +233,7 @@ class Ends:
                 yield from self._for_each(declared, element, plugin, place)
                 continue
             spelled = plugin.handed(declared)
-            own = self.place if declared.name in framework.shared or spelled.name != declared.name else place
+            own = self.place if spelled.name != declared.name else place
             parameter, at = declared.parameter, place
             if parameter is not None:
                 parameter, at = plugin.read_as(parameter, self.place)
