@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
-_OF_NODES: Final = re.compile(rb"\bself\.create_(?:publisher|subscription|service|client)\(")
+_OF_NODES: Final = re.compile(rb"\bself\.(create_(?:publisher|subscription|service|client))\(")
 """Calls of methods that only nodes of ROS 2 have."""
 
 
@@ -70,6 +70,7 @@ class Python:
         self.around: dict[Class, Frame] = {}
         """The frame around each class that was defined."""
         self._bases: dict[Class, list[Kind]] = {}
+        self._node_calls: dict[tuple[Class, ...], bool] = {}
         self._main = main
         self._loaded: dict[FilePath, Object] = {}
         self._waiting: dict[int, PythonUnit] = {}
@@ -265,23 +266,28 @@ class Python:
         derived = (one for one, bases in self._bases.items() if any(base.cls is cls for base in bases))
         return Sequence(tuple(TypeValue(kind_of_class(one)) for one in derived))
 
-    @staticmethod
-    def _with_node(outside: list[Kind], classes: Iterable[Class]) -> list[Kind]:
+    def _with_node(self, outside: list[Kind], classes: Iterable[Class]) -> list[Kind]:
         """Return the bases outside of the build; one is presumed to be a node if the methods call themselves as one.
 
         If it is named like a node, its constructor is presumed to get the name of the node first.
         """
         unknown = [base for base in outside if base.names[0] not in FRAMEWORKS | PLAIN]
-        if len(unknown) != len(outside) or not unknown:
-            return outside
-        methods = (one for cls in classes for several in cls.methods.values() for one in several)
-        if not any(_OF_NODES.search(getattr(one.source, "text", None) or b"") for one in methods):
+        if len(unknown) != len(outside) or not unknown or not self._calls_a_node(tuple(classes)):
             return outside
         base = next((one for one in unknown if one.name.endswith("Node")), None)
         name = "PresumedNode" if base is None else "LifecycleNode" if "Lifecycle" in base.name else "Node"
         presumed = base or unknown[0]
         node = Kind(("rclpy", name), arguments=(TypeValue(presumed),) if base is None else ())
         return [node if one is presumed else one for one in outside]
+
+    def _calls_a_node(self, classes: tuple[Class, ...]) -> bool:
+        """Check whether methods of classes call one of a node on themselves that none of the classes has."""
+        known = self._node_calls.get(classes)
+        if known is None:
+            methods = [one for cls in classes for several in cls.methods.values() for one in several]
+            called = {name for one in methods for name in _OF_NODES.findall(getattr(one.source, "text", None) or b"")}
+            known = self._node_calls[classes] = not called <= {one.name.encode() for one in methods}
+        return known
 
     def methods(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
         """Return the methods of a name, those of the class before those of its bases."""

@@ -12,6 +12,14 @@ class Clock(Task):
         self.zone = self.get_parameter("zone")
 
 
+class Ledger(Task):
+    def create_publisher(self, kind, name):
+        return self.get_parameter("owner"), kind, name
+
+    def open(self):
+        return self.create_publisher("first", "second")
+
+
 class Cook(Worker):
     def __init__(self, place):
         super().__init__(place)
@@ -26,4 +34,5 @@ def main():
     settings = Node("cook_settings")
     settings.get_parameter("size")
     Clock()
+    Ledger().open()
     rclpy.spin(Cook("stove"))
