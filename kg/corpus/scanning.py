@@ -1,14 +1,15 @@
 """Scanning of a source: every folder is listed once, and every file examined once.
 
 Skipped are hidden folders, folders with an ignore marker of catkin, colcon or ament, build artifacts, nested checkouts
-(sources of their own), and links that lead out of the root or in a loop.
+(sources of their own), and links that lead out of the root or in a loop. Inside a package, a marker hides nested
+packages only, as the build files of the package can name what is below it.
 """
 
 from __future__ import annotations
 
 import os
 import stat
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -29,11 +30,12 @@ _MANIFEST_BYTES: Final = 1 << 20
 
 @dataclass(slots=True)
 class _Folder:
-    """A package whose files are being collected."""
+    """A package whose files are being collected; `marked` below an ignore marker."""
 
     path: str
     manifest: str | None
     files: list[FileEntry] = field(default_factory=list)
+    marked: bool = False
 
 
 @dataclass(slots=True)
@@ -109,8 +111,10 @@ def _walk(walk: _Walk) -> None:
 def _list_folder(walk: _Walk, folder: str, owner: _Folder, entries: list[os.DirEntry[str]], *, top: bool) -> None:
     names = {entry.name for entry in entries}
     base = folder.rpartition("/")[2]
-    if not top and (names & _IGNORE_MARKERS or "pyvenv.cfg" in names):
+    if not top and "pyvenv.cfg" in names:
         return
+    if not top and names & _IGNORE_MARKERS:
+        owner = replace(owner, marked=True)
     if not top and ".git" in names:
         walk.nested.append(folder)
         return
@@ -118,6 +122,8 @@ def _list_folder(walk: _Walk, folder: str, owner: _Folder, entries: list[os.DirE
     if base in _BUILD_FOLDERS and not top and generated and "package.xml" not in names:
         return
     manifest = next((name for name in ("package.xml", "manifest.xml") if name in names), None)
+    if owner.marked and (manifest or owner.manifest is None):
+        return
     if manifest and not (manifest == "manifest.xml" and owner.manifest):
         owner = _Folder(folder or ".", f"{folder}/{manifest}" if folder else manifest)
         walk.packages.append(owner)

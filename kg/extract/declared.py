@@ -79,7 +79,7 @@ def facts_of(
     completed = (
         _with_one_condition(i)
         for i in interfaces.values()
-        if i.type is not None or (i.node, i.role, i.name, i.parameter) not in typed
+        if i.type is not None or i.name is i.parameter is None or (i.node, i.role, i.name, i.parameter) not in typed
         if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
     )
     types = {one.name: one.type for one in parameters.values() if one.name is not None and one.type is not None}

@@ -11,7 +11,7 @@ from kg.facts import CAMERA_ORIGIN, Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
 from kg.symbolic.form import Literal, Name
-from kg.symbolic.messages import GENERATED, message_type, type_name
+from kg.symbolic.messages import GENERATED, message_type, option, type_name
 from kg.symbolic.names import (
     EMPTY,
     below,
@@ -125,7 +125,7 @@ class Framework:
         """The nodes of behavior trees that calls register."""
         self.ports: dict[str, Value] = {}
         """The values that ports have by default."""
-        self._option_sites: dict[int, tuple[Site, ...]] = {}
+        self._option_sites: dict[Object, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
         self._untyped: dict[str, set[str]] = {}
         """Parameters whose type only conversions can give, each with the types that they gave."""
@@ -520,7 +520,7 @@ class Framework:
 
     def _store(self, options: Object, effect: Effect, call: Invocation) -> None:
         kind = message_type(self.machine.language, effect, call)
-        self._option_sites[id(options)] = tuple(self.machine.stack)
+        self._option_sites[options] = tuple(self.machine.stack)
         options.native["options name"] = call.arguments.values[effect.name or 0]
         options.native["options type"] = Text.of(kind) if kind is not None else Unknown("its type is not known")
 
@@ -578,9 +578,9 @@ class Framework:
         if name is None:
             return None
         stack = tuple(self.machine.stack)
-        if isinstance(name, Object) and "options name" in name.native:
-            stack = self._option_sites.get(id(name), stack)
-            name = name.native["options name"]
+        if isinstance(name, Object) and (stated := option(name, "name")) is not None:
+            stack = self._option_sites.get(name, stack)
+            name = stated
         if effect.access is not None:
             return self._parameter(effect, owner, name, call)
         if isinstance(name, (Closure, Bound, Sequence, Mapping)):

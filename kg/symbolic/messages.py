@@ -23,6 +23,8 @@ _WRAPPERS: Final = {"TypeAdapter": -1, "as": 0, "MessageEvent": 0, "ServiceEvent
 """Templates around a message, with the index of the message among their arguments: `adapt_type<T>::as<Message>`."""
 _FUNCTION: Final = ("()",)
 """The name of the type of a function, whose arguments are the types of its parameters."""
+_FIELDS: Final = {"name": ("topic", "service"), "type": ("datatype",)}
+"""Members of the options of an interface in roscpp."""
 _ANY_TYPE: Final = "topic_tools/ShapeShifter"
 
 
@@ -92,9 +94,16 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if not isinstance(argument, Object):
         return None
     if what == "options":
-        kind = argument.native.get("options type")
+        kind = option(argument, "type")
         return kind.exact if isinstance(kind, Text) else None
     return type_name(argument.kind)
+
+
+def option(options: Object, what: str) -> Value | None:
+    """Return the name or type that an options object gives an interface: one that is assigned, or given to a call."""
+    fields = _FIELDS[what] if options.kind.name.endswith("Options") else ()
+    assigned = (options.fields.get(field) for field in fields)
+    return next((one for one in assigned if one is not None), options.native.get(f"options {what}"))
 
 
 def _first_parameter(language: Language, call: Invocation, index: int) -> str | None:

@@ -559,13 +559,14 @@ def number(value: float, parameter: str | None = None) -> Number:
 def concatenate(*values: Value) -> Value:
     """Return the text of all values in a row; an unknown value becomes a hole.
 
-    So does a text after others that is empty unless something unknown fills it: else nobody would put it there.
+    So does a text after others that is empty unless something unknown fills it: else nobody would put it there. If
+    nothing but holes is left, the parameter is one of theirs, not one that is empty.
     """
     if any(isinstance(value, Either) for value in values):
         return over(values, concatenate)
     parts: list[str | Hole] = []
     reasons: dict[str, str | None] = {}
-    resolution, parameter, reason = Resolution.LITERAL, None, None
+    resolution, parameter, reason, open_parameter = Resolution.LITERAL, None, None, None
     for value in values:
         piece = as_text(value)
         if piece.reason == UNASSIGNED.reason or (piece.unsure and piece.exact == ""):
@@ -577,6 +578,7 @@ def concatenate(*values: Value) -> Value:
         reason = reason or piece.reason
         for part in piece.parts:
             if isinstance(part, Hole):
+                open_parameter = open_parameter or piece.parameter
                 same = reasons.setdefault(part.label, piece.reason) == piece.reason or part.label in SUBSTITUTIONS
                 hole = part if same else Hole()
                 if hole.label or not parts or parts[-1] != hole:
@@ -585,6 +587,8 @@ def concatenate(*values: Value) -> Value:
                 parts[-1] += part
             elif part:
                 parts.append(part)
+    if parts and all(isinstance(part, Hole) for part in parts):
+        parameter = open_parameter
     return Text(tuple(parts) or ("",), resolution, parameter, reason)
 
 

@@ -92,6 +92,17 @@ def test_ignore_markers(tmp_path: Path, marker: str) -> None:
     assert [found.name for found in scan(tmp_path).packages] == ["kept"]
 
 
+def test_ignore_marker_inside_a_package(tmp_path: Path) -> None:
+    """Inside a package a marker hides nested packages, but not the files of the package."""
+    folder = package(tmp_path, "pkg")
+    package(tmp_path, "pkg/lessons/nested")
+    (folder / "lessons" / "CATKIN_IGNORE").touch()
+    (folder / "lessons" / "code.cpp").touch()
+    source = scan(tmp_path)
+    assert [found.name for found in source.packages] == ["pkg"]
+    assert paths(source, "pkg") == ["pkg/lessons/code.cpp", "pkg/package.xml", "pkg/src/node.cpp"]
+
+
 @pytest.mark.parametrize("folder", ["build", "install", "devel", "log", ".hidden", "node_modules", "x.egg-info"])
 def test_what_builds_leave_behind(tmp_path: Path, folder: str) -> None:
     """Build results and hidden folders are not sources."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import library
 from kg.extract.python.callbacks import WAITING, Callbacks
+from kg.extract.python.modules import PLAIN
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
 from kg.symbolic.binding import bind
@@ -41,8 +42,6 @@ CLASS: Final = "__class__"
 """The name under which the frame of a method has the class that defines it."""
 _TYPES: Final = ("msg_type", "srv_type")
 """The names of the first parameter of methods of nodes that create interfaces."""
-_PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
-"""Packages whose classes call no methods of those that derive from them."""
 _PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
 _SEVERAL: Final = {"py_trees_ros": frozenset({"ToBlackboard", "FromBlackboard", "FromConstant"})}
 """Classes whose names several modules of a package give, so that the module is a part of the name."""
@@ -188,8 +187,7 @@ class Calls:
         """Call a method of an object whose class, or one of its bases, is not in the sources."""
         machine = self._language.machine
         if name == "__init__":
-            for base in self._language.chain(of.kind)[1]:
-                machine.framework.construct_base(of, base, given)
+            self._construct_bases(of, given)
             return Unknown("it returns nothing")
         result = library.object_method(self._language, of, name, given)
         if result is None:
@@ -246,13 +244,20 @@ class Calls:
                 names = dict.fromkeys(name for one, _ in reversed(chain) for name in one.fields)
                 instance.fields.update(zip(names, given.values, strict=False))
             instance.fields.update(given.named)
-            for base in outside:
-                machine.framework.construct_base(instance, base, given)
+            self._construct_bases(instance, given)
         machine.framework.constructed(instance)
         if not hosted and any(map(self._calls_back, outside)):
             methods = dict.fromkeys(name for cls, _ in chain for name in cls.methods)
             self.escape([language.of_object(instance, name) for name in methods if not name.startswith("_")])
         return instance
+
+    def _construct_bases(self, instance: Object, given: Arguments) -> None:
+        """Run the constructors of the bases outside of the sources; one that is presumed to be a node does anything."""
+        framework = self._language.machine.framework
+        for base in self._language.chain(instance.kind)[1]:
+            framework.construct_base(instance, base, given)
+            for presumed in (one for one in base.arguments if isinstance(one, TypeValue)):
+                framework.left(presumed.kind.names, instance, "and is its base class")
 
     def _initialise(self, called: Closure, given: Arguments) -> None:
         machine, function = self._language.machine, called.function
@@ -269,7 +274,7 @@ class Calls:
     def _calls_back(self, base: Kind) -> bool:
         """Check whether a base outside of the sources may call any method of the classes that derive from it."""
         framework = self._language.machine.framework
-        return base.names[0] not in _PLAIN and not framework.constructs(base) and not base.name.endswith("Exception")
+        return base.names[0] not in PLAIN and not framework.constructs(base) and not base.name.endswith("Exception")
 
     # Callbacks
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from kg.extract.python import library
 from kg.extract.python.calls import CLASS, Calls, public
 from kg.extract.python.functions import elements
-from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, Modules, PythonUnit, mentions_ros
+from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, PLAIN, Modules, PythonUnit, mentions_ros
 from kg.extract.python.texts import percent
 from kg.holes import fits
 from kg.symbolic import form
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
-_OF_NODES: Final = re.compile(rb"\bself\.create_(?:publisher|subscription|service|client)\(")
+_OF_NODES: Final = re.compile(rb"\bself\.(create_(?:publisher|subscription|service|client))\(")
 """Calls of methods that only nodes of ROS 2 have."""
 
 
@@ -70,6 +70,7 @@ class Python:
         self.around: dict[Class, Frame] = {}
         """The frame around each class that was defined."""
         self._bases: dict[Class, list[Kind]] = {}
+        self._node_calls: dict[tuple[Class, ...], bool] = {}
         self._main = main
         self._loaded: dict[FilePath, Object] = {}
         self._waiting: dict[int, PythonUnit] = {}
@@ -254,7 +255,7 @@ class Python:
             elif current.cls not in classes:
                 classes[current.cls] = None
                 pending = [*self._bases.get(current.cls, ()), *pending]  # depth first, as Python where no base recurs
-        return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
+        return [(cls, {}) for cls in classes], self._with_node(outside, classes)
 
     def subclasses(self, cls: Class) -> Sequence:
         """Return the classes of the program that have a class as a base, in the order of their definitions."""
@@ -265,14 +266,28 @@ class Python:
         derived = (one for one, bases in self._bases.items() if any(base.cls is cls for base in bases))
         return Sequence(tuple(TypeValue(kind_of_class(one)) for one in derived))
 
-    @staticmethod
-    def _as_node(base: Kind, classes: Iterable[Class]) -> Kind:
-        """Return a base outside of the build; what is called a node and used as one of ROS 2 is presumed to be one."""
-        if not base.name.endswith("Node") or base.names[0] in FRAMEWORKS:
-            return base
-        if not any(_OF_NODES.search(cast("PythonUnit", cls.unit).source) for cls in classes):
-            return base
-        return Kind(("rclpy", "LifecycleNode" if "Lifecycle" in base.name else "Node"))
+    def _with_node(self, outside: list[Kind], classes: Iterable[Class]) -> list[Kind]:
+        """Return the bases outside of the build; one is presumed to be a node if the methods call themselves as one.
+
+        If it is named like a node, its constructor is presumed to get the name of the node first.
+        """
+        unknown = [base for base in outside if base.names[0] not in FRAMEWORKS | PLAIN]
+        if len(unknown) != len(outside) or not unknown or not self._calls_a_node(tuple(classes)):
+            return outside
+        base = next((one for one in unknown if one.name.endswith("Node")), None)
+        name = "PresumedNode" if base is None else "LifecycleNode" if "Lifecycle" in base.name else "Node"
+        presumed = base or unknown[0]
+        node = Kind(("rclpy", name), arguments=(TypeValue(presumed),) if base is None else ())
+        return [node if one is presumed else one for one in outside]
+
+    def _calls_a_node(self, classes: tuple[Class, ...]) -> bool:
+        """Check whether methods of classes call one of a node on themselves that none of the classes has."""
+        known = self._node_calls.get(classes)
+        if known is None:
+            methods = [one for cls in classes for several in cls.methods.values() for one in several]
+            called = {name for one in methods for name in _OF_NODES.findall(getattr(one.source, "text", None) or b"")}
+            known = self._node_calls[classes] = not called <= {one.name.encode() for one in methods}
+        return known
 
     def methods(self, kind: Kind, name: str) -> list[tuple[Function, dict[str, Value]]]:
         """Return the methods of a name, those of the class before those of its bases."""

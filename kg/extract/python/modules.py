@@ -84,6 +84,8 @@ FRAMEWORKS: Final = frozenset(
     }
 )  # fmt: skip
 """Packages that the descriptions of calls cover; their sources are not followed."""
+PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
+"""Packages whose classes call no methods of those that derive from them."""
 _TOOLS: Final = frozenset(
     {
         "roslaunch", "rosmaster", "rosnode", "rostopic", "rosservice", "rosparam", "rosmsg",

@@ -204,7 +204,14 @@ class Ends:
                 yield from self._names(replace(declared, name=left, parameter=other), node, done)
 
     def _derived(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
-        """Return an end whose name is made of that of another after its remapping, as `image_transport` does."""
+        """Return an end whose name is made of that of another after its remapping, as `image_transport` does.
+
+        Its releases for ROS 2 differ in this, so a remapping of the name before counts, too.
+        """
+        own = self.place.expand(declared.name or "", self.ros)
+        moved, remap = self.remapping.apply(own, declared.role) if self.ros != 1 else (own, None)
+        if remap is not None:
+            return replace(base, declared=declared, resolved=moved, remap=remap, qos=declared.qos)
         above, name = base.declared.name or "", declared.name or ""
         resolved = base.resolved or ""
         if name.startswith(f"{above}/"):
@@ -233,7 +240,7 @@ class Ends:
                 yield from self._for_each(declared, element, plugin, place)
                 continue
             spelled = plugin.handed(declared)
-            own = self.place if declared.name in framework.shared or spelled.name != declared.name else place
+            own = self.place if spelled.name != declared.name else place
             parameter, at = declared.parameter, place
             if parameter is not None:
                 parameter, at = plugin.read_as(parameter, self.place)

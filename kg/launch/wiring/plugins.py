@@ -37,8 +37,6 @@ class Framework:
     ros: int
     source: str
     private: str = "~/{id}"
-    relative: str | None = None
-    shared: tuple[str, ...] = ()
     foreign: tuple[str, ...] = ()
     handed: Mapping[str, str] = field(default_factory=dict)
     each: str | None = None
@@ -70,10 +68,7 @@ class Loaded:
         pattern = self.framework.private
         if self.scope.startswith("/"):  # the program that names the plugin has parameters outside of the node
             pattern = pattern.removeprefix("~/")
-        private = node.resolve(self._filled(pattern))
-        relative = self.framework.relative
-        namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
-        return Place(namespace, node.name, private)
+        return Place(node.namespace, node.name, node.resolve(self._filled(pattern)))
 
     def handed(self, declared: Interface) -> Interface:
         """Return an interface with the arguments that the node hands to the plugin in its name.

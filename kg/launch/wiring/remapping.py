@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Remap, Role
-from kg.holes import is_partial
+from kg.holes import ANONYMOUS, is_partial
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 ACTIONS: Final = (Role.ACTION_SERVERS, Role.ACTION_CLIENTS)
 _SERVICES: Final = (Role.SERVICES, Role.CLIENTS)
 _SCHEMES: Final = {"rostopic://": "topic", "rosservice://": "service"}
+_UNKNOWN: Final = f"/{ANONYMOUS}"
 _PARTS: Final = {
     1: (("goal", "topic"), ("cancel", "topic"), ("status", "topic"), ("feedback", "topic"), ("result", "topic")),
     2: (
@@ -37,7 +38,10 @@ _PARTS: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A remapping with both sides absolute; `only` is `topic` or `service` where it is for these alone."""
+    """A remapping with both sides absolute; `only` is `topic` or `service` where it is for these alone.
+
+    A name that is empty until somebody gives it, by an argument of the launch file, is unknown.
+    """
 
     source: str
     target: str
@@ -56,7 +60,7 @@ def rules_of(remaps: Sequence[Remap], place: Place, ros: int) -> tuple[Rule, ...
 
 def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     if ros == 1:
-        return Rule(place.resolve(remap.source), place.resolve(remap.target), remap)
+        return Rule(place.resolve(remap.source), place.resolve(remap.target) if remap.target else _UNKNOWN, remap)
     written, node, only = remap.source, "", None
     scheme = next((prefix for prefix in _SCHEMES if prefix in written), None)
     if scheme is not None:
@@ -69,7 +73,7 @@ def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     target = remap.target
     for prefix in _SCHEMES:
         target = target.removeprefix(prefix)
-    return Rule(place.expand(written, ros), place.expand(target, ros), remap, only)
+    return Rule(place.expand(written, ros), place.expand(target, ros) if target else _UNKNOWN, remap, only)
 
 
 class Remapping:
