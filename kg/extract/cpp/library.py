@@ -659,6 +659,8 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
         if isinstance(same, Guard):
             return negate(same)
         return number(float(not same.value)) if isinstance(same, Truth) else None
+    if name in ("size", "length") and of.exact is not None and of.parameter is None and not of.unsure:
+        return number(float(len(of.exact)))
     given = values[0].exact if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
     if name not in _SEARCHES or given is None or of.parameter is not None or of.unsure:
         return None
