@@ -275,7 +275,7 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
     if first is not None and not listed:
         if len(arguments) == _PAIR and first == COMMAND_LINE:
             return COMMAND_LINE
-        if len(arguments) == _PAIR and kind.name in ("vector", "set", "list"):
+        if len(arguments) == _PAIR and kind.name not in _PAIRS:
             if isinstance(first, Number) and 0 <= first.value <= _MOST_COPIES:
                 return Sequence((arguments[1],) * first.whole)
             return between(first, arguments[1]) if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)

@@ -1,6 +1,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <unordered_set>
 #include <vector>
 
 #include <rclcpp/rclcpp.hpp>
@@ -20,7 +21,7 @@ public:
     subscribe(std::vector<std::string>(topics.begin() + 1, topics.end()));
     auto last = *(topics.end() - 1);
     status_ = node_->create_publisher<std_msgs::msg::String>(last + "/status", 1);
-    for (const auto & name : std::vector<std::string>(topics.begin(), topics.begin() + 1)) {
+    for (const auto & name : std::unordered_set<std::string>(topics.begin(), topics.begin() + 1)) {
       ready_ = node_->create_publisher<std_msgs::msg::Bool>(name + "/ready", 1);
     }
   }
