@@ -37,6 +37,7 @@ from accuracy.scoring import (
     LEVELS,
     Record,
     Scores,
+    in_root,
     load_scorer,
     score_file,
     that_sources_hold,
@@ -90,8 +91,8 @@ def _measure(options: argparse.Namespace, scorer: ModuleType, by_file: dict[Path
             rows.append(_row(file.stem, level, scores))
             if any(truth.get("args") for truth in truths):
                 written = [without_command_line(truth) for truth in truths]
-                undone = score_file(scorer, written, readings, level)
-                rows.append(_row(f"{file.stem}, command line undone", level, undone))
+                scores = score_file(scorer, written, [in_root(reading) for reading in readings], level)
+                rows.append(_row(f"{file.stem}, start undone", level, scores))
             entries = (one for truth in truths for key in INTERFACES for one in truth.get(key, ()))
             if any(isinstance(one, dict) and one.get("corroborated") == "none" for one in entries):
                 held = score_file(scorer, [that_sources_hold(truth) for truth in truths], readings, level)

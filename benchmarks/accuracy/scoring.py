@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections import Counter, defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ __all__ = [
     "LEVELS",
     "Record",
     "Scores",
+    "in_root",
     "load_scorer",
     "score_file",
     "that_sources_hold",
@@ -85,24 +86,44 @@ def score_file(scorer: ModuleType, truths: list[Record], readings: list[Reading]
 
 
 def without_command_line(truth: Record) -> Record:
-    """Return an observed record with the names that the node's code gives, where its command line tells them.
+    """Return an observed record with the names that the node's code gives, where its start tells them.
 
     A node that was run with `image:=/cam/image_raw` is observed at `/cam/image_raw`; its code says `image`, and
-    `camera_info` for the topic beside it. Names that are arguments themselves (`relay in out`) stand in no code and are
-    left out.
+    `camera_info` for the topic next to it. Relative names are below the namespace in which a node was started. Names
+    that arguments (`relay in out`, `transform in/field`) or values of parameters (`_inputs:=[a,b]`) give are in no code
+    and are left out.
     """
     arguments = truth.get("args") or ()
-    pairs = [argument.split(":=", 1) for argument in arguments if ":=" in argument and not argument.startswith("_")]
-    before = {"/" + new.strip("/"): old for old, new in pairs}
+    pairs = [argument.split(":=", 1) for argument in arguments if ":=" in argument]
+    remapped = [(old, new) for old, new in pairs if not old.startswith("_")]
+    before = {"/" + new.strip("/"): old for old, new in remapped}
     before.update({_beside(new): _beside(old) for new, old in list(before.items()) if "/image" in new})
-    given = {"/" + argument.strip("/") for argument in arguments if ":=" not in argument}
+    values = [argument for argument in arguments if ":=" not in argument]
+    values += [value for old, new in pairs if old.startswith("_") for value in new.strip("[]").split(",")]
+    given = tuple(f"/{value.strip('/')}/" for value in values)
+    namespace = (truth.get("node_name") or "").rpartition("/")[0] + "/"
     changed = dict(truth)
     for category in INTERFACES:
         entries = [dict(entry) for entry in truth.get(category) or ()]
+        entries = [entry for entry in entries if not any(one.startswith(f"{entry['name']}/") for one in given)]
         for entry in entries:
             entry.setdefault("before_remap", before.get(entry["name"]))
-        changed[category] = [entry for entry in entries if entry["name"] not in given]
+            if entry["name"].startswith(namespace):
+                entry["name"] = "/" + entry["name"].removeprefix(namespace)
+        changed[category] = entries
     return changed
+
+
+def in_root(reading: Reading) -> Reading:
+    """Return what was read with the names that it has in the root namespace, for truth without namespaces."""
+    records = [
+        {**one, **{role: [_in_root(end) for end in one[role]] for role in INTERFACES}} for one in reading.records
+    ]
+    return replace(reading, records=records)
+
+
+def _in_root(end: Record) -> Record:
+    return {**end, "name": end["name"] and end["name"].replace("{namespace}/", "")}
 
 
 def that_sources_hold(truth: Record) -> Record:

@@ -22,6 +22,7 @@ The keys (`namespace` and `detail` are empty where a line does not name them; na
 * `image_transport.publisher`: `detail` is the base topic, with the namespace of its handle in front.
 * `image_transport.subscriber`: `detail` is the base topic, with the namespace of its handle in front.
 * `point_cloud_transport.publisher`: `detail` is the base topic, with the namespace of its handle in front.
+* `cuda_blackboard.publisher`, `cuda_blackboard.subscriber`: `detail` is the topic of the messages for the CPU.
 * `interactive_markers.server`: `detail` is its topic namespace.
 * `smach.introspection`: an introspection server of `smach_ros`; `detail` is its name.
 * `jsk_topic_tools.transport`: a class derived from `jsk_topic_tools.ConnectionBasedTransport` that is not in the build.

@@ -89,7 +89,7 @@ def hand_back(
 
 
 def leave_open(machine: Machine, rows: Iterable[tuple[Parameter, Expression, Value]], caller: Frame) -> None:
-    """Make unknown what a function that does not run may fill for its caller: conditions and empty containers.
+    """Make unknown what a function that does not run may fill for its caller: conditions, empty containers and texts.
 
     `rows` are as those of `hand_back`.
     """
@@ -101,6 +101,8 @@ def leave_open(machine: Machine, rows: Iterable[tuple[Parameter, Expression, Val
             put(machine, expression, Unknown("a function that was not run may change it"), caller)
         elif isinstance(value, (Sequence, Mapping)) and not value.items and value.parameter is None:
             put(machine, expression, replace(value, open=True), caller)
+        elif isinstance(value, Text) and value.exact == "" and value.parameter is None:
+            put(machine, expression, replace(value, unsure=True), caller)
 
 
 def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:

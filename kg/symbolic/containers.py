@@ -180,6 +180,25 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
     return with_letter(of, key, value) if isinstance(of, Text) and isinstance(key, Number | Unknown) else of
 
 
+def moved(of: Sequence | Mapping, name: str, steps: list[Value]) -> Value | None:
+    """Return the elements from an iterator on, for the iterator: `names.begin() + 1`, `names.end() - 1`."""
+    begins = "begin" in name
+    if not steps:
+        return of if begins else None
+    step = steps[0].whole if isinstance(steps[0], Number) else -1
+    if not isinstance(of, Sequence) or of.repeated or step < 0 or (of.open and not begins):
+        return None
+    if step > len(of.items) and not of.open:
+        return None
+    return replace(of, items=of.items[step if begins else len(of.items) - step :])
+
+
+def between(first: Sequence, last: Value) -> Sequence:
+    """Return the elements between two iterators, each given as the elements from it on."""
+    end = len(first.items) - len(last.items) if isinstance(last, Sequence) else 0
+    return replace(first, items=first.items[:end], open=False) if end > 0 else first
+
+
 def is_finite(of: Value) -> bool:
     """Check whether all elements of a container are known."""
     if isinstance(of, (Sequence, Mapping)):

@@ -655,7 +655,7 @@ class Machine:
         if len(self.stack) > DEEPEST:
             self.reached("depth")
             return Unknown("the calls are too deep")
-        if self.running[id(function)] >= self.most_repeats:
+        if self.running[id(function)] >= frame.repeats(function, self.most_repeats):
             return Unknown("it calls itself")
         fruitless = self.fruitless[id(function)]
         handed = any(isinstance(one, (Closure, Bound)) for one in arguments) if fruitless else True

@@ -25,6 +25,12 @@ _FUNCTION: Final = ("()",)
 """The name of the type of a function, whose arguments are the types of its parameters."""
 _FIELDS: Final = {"name": ("topic", "service"), "type": ("datatype",)}
 """Members of the options of an interface in roscpp."""
+_SENT: Final[dict[tuple[str, ...], str]] = {
+    ("pcl", "PointCloud"): "sensor_msgs/PointCloud2",
+    ("cuda_blackboard", "CudaPointCloud2"): "sensor_msgs/PointCloud2",
+    ("cuda_blackboard", "CudaImage"): "sensor_msgs/Image",
+}
+"""Classes of libraries and the messages that they are sent as."""
 _ANY_TYPE: Final = "topic_tools/ShapeShifter"
 
 
@@ -34,8 +40,8 @@ def type_name(kind: Kind) -> str | None:
     if kind.name in _WRAPPERS and kind.arguments:
         return _type_of_argument(kind.arguments[_WRAPPERS[kind.name]])
     names = [name for name in kind.names if name]
-    if names[:2] == ["pcl", "PointCloud"]:
-        return "sensor_msgs/PointCloud2"
+    if (sent := _SENT.get(tuple(names[:2]))) is not None:
+        return sent
     while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in GENERATED:  # noqa: PLR2004 - package and type
         names = names[:-1]
     result = _of_names(names) if kind.cls is None else None

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from collections.abc import Mapping as Names
 
+    from kg.symbolic.form import Function
     from kg.symbolic.language import Language
 
 
@@ -40,6 +41,8 @@ class _Missing(Enum):
 
 
 _RECURSION: Final = 20_000
+_MOST_INSTANCES: Final = 16
+"""How many instances of a function template run within each other."""
 _MISSING: Final = _Missing.MISSING
 UNSET: Final = Unknown("it has no value")
 _EMPTY: Final = Text.of("")
@@ -134,6 +137,11 @@ class Frame:
                 return frame.types[name]
             frame = frame.parent
         return None
+
+    def repeats(self, function: Function, usual: int) -> int:
+        """Return how often a function may run within itself: more often if numbers are arguments of its template."""
+        counts = any(isinstance(self.types.get(name), Number) for name in function.template)
+        return max(usual, _MOST_INSTANCES) if counts else usual
 
     @property
     def templated(self) -> bool:

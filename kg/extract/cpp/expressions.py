@@ -46,6 +46,10 @@ _NAMES: Final = frozenset(
 )
 _BEGINS: Final = frozenset({"begin", "cbegin"})
 """Methods of containers whose result points to the first element: `*names.begin()`."""
+_ENDS: Final = frozenset({"end", "cend"})
+_STEPS: Final = {"+": _BEGINS, "-": _ENDS}
+"""Operators that move from the first or behind the last element of a container: `names.begin() + 1`."""
+_PAIR: Final = 2
 _CASTS: Final = frozenset(
     {"static_cast", "dynamic_cast", "const_cast", "reinterpret_cast", "static_pointer_cast", "dynamic_pointer_cast"}
 )
@@ -307,16 +311,28 @@ class Expressions:
         operands.append(current)
         if sign == ">>":
             return Call(line_of(node), Name(line_of(node), ("operator>>",)), self.expressions(reversed(operands)))
-        return Binary(line_of(node), sign, self.expressions(reversed(operands)))
+        values = self.expressions(reversed(operands))
+        of = values[0].function if isinstance(values[0], Call) and not values[0].arguments else None
+        if len(values) == _PAIR and isinstance(of, Member) and of.name in _STEPS.get(sign, ()):
+            return Call(line_of(node), of, values[1:])
+        return Binary(line_of(node), sign, values)
+
+    def _size(self, node: Node) -> Expression:
+        pack = syntax.of_type(node, "identifier")
+        if not pack or not any(child.type == "..." for child in node.children):
+            return Opaque(line_of(node), "sizeof")
+        name = Literal(line_of(node), syntax.text(pack[0]))
+        return Call(line_of(node), Name(line_of(node), ("sizeof...",)), (name,))
 
     def _unary(self, node: Node) -> Expression:
         operator, operand = node.child_by_field_name("operator"), node.child_by_field_name("argument")
         if operator is None or operand is None:
             return self._opaque(node)
         value = self.expression(operand)
-        begun = value.function if isinstance(value, Call) and not value.arguments else None
-        if syntax.text(operator) == "*" and isinstance(begun, Member) and begun.name in _BEGINS:
-            return Call(line_of(node), Member(begun.line, begun.of, "front"), ())
+        if syntax.text(operator) == "*" and isinstance(value, Call) and isinstance(at := value.function, Member):
+            moved = value if value.arguments and at.name in _BEGINS | _ENDS else None
+            if moved is not None or (at.name in _BEGINS and not value.arguments):
+                return Call(line_of(node), Member(at.line, moved or at.of, "front"), ())
         return Unary(line_of(node), syntax.text(operator), value)
 
     def _assignment(self, node: Node) -> Expression:
@@ -441,5 +457,5 @@ class Expressions:
         "comma_expression": _comma,
         **dict.fromkeys(("template_type", "type_descriptor", "primitive_type"), lambda self, node: self.type(node)),
         "delete_expression": lambda _, node: Opaque(line_of(node), "delete"),
-        "sizeof_expression": lambda _, node: Opaque(line_of(node), "sizeof"),
+        "sizeof_expression": _size,
     }

@@ -193,6 +193,11 @@ class Kinds:
         if names == ("std", "conditional_t") and isinstance(arguments[0], Truth):
             chosen = arguments[1 if arguments[0].value else -1]
             return chosen.kind if isinstance(chosen, TypeValue) else chosen
+        if names == ("std", "tuple_element_t") and isinstance(arguments[0], Number):
+            tuples, at = arguments[1], arguments[0].whole
+            items = tuples.kind.arguments if isinstance(tuples, TypeValue) and tuples.kind.name == "tuple" else ()
+            item = items[at] if 0 <= at < len(items) else None
+            return item.kind if isinstance(item, TypeValue) else item
         return None
 
     def _named(

@@ -9,13 +9,13 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.cpp import tokens
+from kg.extract.cpp import packs, tokens
 from kg.extract.cpp.formats import WITH_ARGUMENT, formatted, manipulator
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
 from kg.symbolic.binding import put
-from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
+from kg.symbolic.containers import COMMAND_LINE, between, element, elements, is_unset, moved, with_element
 from kg.symbolic.kinds import pointee
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.operators import compute, negate
@@ -275,10 +275,10 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
     if first is not None and not listed:
         if len(arguments) == _PAIR and first == COMMAND_LINE:
             return COMMAND_LINE
-        if len(arguments) == _PAIR and kind.name in ("vector", "set", "list"):
+        if len(arguments) == _PAIR and kind.name not in _PAIRS:
             if isinstance(first, Number) and 0 <= first.value <= _MOST_COPIES:
                 return Sequence((arguments[1],) * first.whole)
-            return first if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
+            return between(first, arguments[1]) if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
         if isinstance(first, Number) and kind.name == "vector":
             return Sequence((), open=True)
     paired = kind.name in _PAIRS
@@ -323,6 +323,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _limit(name, given.template)
     if not values:
         return None
+    if name == "sizeof..." and given.frame is not None and isinstance(values[0], Text):
+        return packs.count(given.frame, values[0].exact or "")
     if name == "strcmp" and len(values) == _PAIR:
         return over(values, lambda *row: compute("!=", row))
     if name in WITH_ARGUMENT:
@@ -498,8 +500,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
         return _slice(of, values)
     if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
         return _LAST_SLASH
-    if name in ("begin", "cbegin") and isinstance(of, (Sequence, Mapping)):
-        return of
+    if name in ("begin", "cbegin", "end", "cend") and isinstance(of, (Sequence, Mapping)):
+        return moved(of, name, values)
     if name == "value_or" and values:
         return of if not isinstance(of, Unknown) else values[0]
     return _of_text(of, name, values) if isinstance(of, Text) else None
@@ -657,6 +659,8 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
         if isinstance(same, Guard):
             return negate(same)
         return number(float(not same.value)) if isinstance(same, Truth) else None
+    if name in ("size", "length") and of.exact is not None and of.parameter is None and not of.unsure:
+        return number(float(len(of.exact)))
     given = values[0].exact if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
     if name not in _SEARCHES or given is None or of.parameter is not None or of.unsure:
         return None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.symbolic import form
 from kg.symbolic.state import Frame
-from kg.symbolic.values import Pack, Value
+from kg.symbolic.values import Pack, Unknown, Value, number
 
 if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
@@ -33,6 +33,15 @@ def expand(language: Cpp, spread: form.Spread, frame: Frame) -> Value:
         inner.types |= {name: pack.items[index] for name, pack in types.items()}
         values.append(language.machine.value(spread.of, inner))
     return Pack(tuple(values))
+
+
+def count(frame: Frame, name: str) -> Value:
+    """Return how many elements a pack has: `sizeof...(name)`."""
+    holder = frame.holder(name)
+    pack = holder[name] if holder is not None else frame.bound_type(name)
+    if pack is None:
+        return Unknown("the number of arguments is not known")
+    return number(float(len(pack.items) if isinstance(pack, Pack) else 1))
 
 
 def _names(of: object) -> set[str]:

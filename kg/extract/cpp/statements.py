@@ -172,8 +172,8 @@ class Statements:
         """Return the variable that the grammar parsed as the declaration of a function: `Foo foo(bar);`."""
         name = syntax.declared_name(declarator)
         listed = declarator.child_by_field_name("parameters")
-        if name is None or listed is None or name.type != "identifier":
-            return []
+        if name is None or listed is None or name.type != "identifier" or not listed.named_children:
+            return []  # `Foo foo();` declares a function
         declarators = [c.child_by_field_name("declarator") for c in syntax.of_type(listed, "parameter_declaration")]
         if any(one is not None and one.type == "identifier" for one in declarators):
             return []

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import string
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.binding import put
@@ -47,6 +49,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _transformed(language, given, given.frame)
     if name == "is_any_of" and values:
         return values[0]
+    if name in _TESTS and len(values) == 1:
+        return over((values[0],), _TESTS[name])
     return _changed(language, names, given) if name in _CHANGES else None
 
 
@@ -80,6 +84,23 @@ CASES: Final[dict[str, Callable[[str], str]]] = {
     **dict.fromkeys(("to_upper_copy", "toupper"), str.upper),
 }
 """Functions that return a text in small or capital letters."""
+
+
+def _tested(one: Value, test: Callable[[str], bool]) -> Value:
+    exact = one.exact if isinstance(one, Text) and one.parameter is None and not one.unsure else None
+    return Truth(exact.isascii() and test(exact)) if exact else Unknown("the letter is not known")
+
+
+_TESTS: Final[dict[str, Callable[[Value], Value]]] = {
+    "isupper": partial(_tested, test=str.isupper),
+    "islower": partial(_tested, test=str.islower),
+    "isalpha": partial(_tested, test=str.isalpha),
+    "isdigit": partial(_tested, test=str.isdigit),
+    "isalnum": partial(_tested, test=str.isalnum),
+    "isspace": partial(_tested, test=str.isspace),
+    "ispunct": partial(_tested, test=lambda letter: letter in string.punctuation),
+}
+"""Functions of C that test a letter."""
 _CHANGES: Final[dict[str, tuple[int, Callable[..., str]]]] = {
     "replace": (2, str.replace),
     "replace_all": (2, str.replace),

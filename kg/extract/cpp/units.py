@@ -44,6 +44,7 @@ def included(source: bytes) -> dict[str, int]:
 
 def words_of(code: str) -> frozenset[str]:
     """Return the identifiers in some code, and `GIVES_NODE` if it creates an object that gets a node or a handle."""
+    code = _COMMENT.sub(lambda match: match[1] or " ", code)
     words = frozenset(_WORD.findall(code))
     return words | {GIVES_NODE} if _GIVING.search(code) else words
 
@@ -80,8 +81,8 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
-_COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//.*|/\*.*?\*/""", re.DOTALL)
-"""A comment of the text of a macro, or a literal that may look like one."""
+_COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+"""A comment, or a literal that may look like one."""
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
 """A macro with such a text can be another name of a type, or, in front of `::`, of a namespace."""
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")

@@ -33,7 +33,7 @@ public:
     ros::service::call("/clear", request);
     ros::service::waitForService("waited", 5000);
     std_srvs::Trigger trigger;
-    if (ros::service::exists("asked", false))
+    if (ros::service::exists("present", false))
     {
       ros::service::call("asked", trigger);
     }
