@@ -5,7 +5,8 @@ By default rules are in `rules/` next to kg.toml or in the working folder.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.errors import UsageError
 from kg.resources import folder as shipped
@@ -14,10 +15,6 @@ from kg.rules.reading import packs, rule_files
 from kg.settings import Settings, user_paths
 from kg.settings import own_folder as default_folder
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 _NAME: Final = "rules"
 

@@ -25,24 +25,21 @@ from pyoxigraph import NamedNode, Store
 from kg.rules import memory as memories
 from kg.rules.columns import graph_name, patched, stated, union_of
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, NOTHING, Facts, Packed, pack, unpack
+from kg.rules.engine.facts import EMPTY, NOTHING, Facts, Keys, Packed, pack, unpack
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver
 from kg.rules.engine.tables import Table, concatenate, distinct_rows
 from kg.rules.form import Atom, TripleTerm, Variable
 from kg.rules.modifiers import modified
-from kg.rules.questions import COLUMN, MARK, question
+from kg.rules.questions import COLUMN, MARK, Among, Question, question
 from kg.store.changes import since
-from kg.store.terms import of_spelling, spell
+from kg.store.terms import Term, of_spelling, spell
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.questions import Among, Question
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.store.terms import Term
 
     Row: TypeAlias = tuple[Term | None, ...]
 

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from kg.rules.authoring.library import Entry
     from kg.settings import Settings
     from kg.store.interface import Queryable
     from kg.store.snapshot import EmbeddedSnapshot

@@ -3,11 +3,12 @@
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -22,10 +23,6 @@ from kg.render.text import count, some
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 with lazily():
     from kg.cli.commands.rules import change_lines, difference_words, result_lines

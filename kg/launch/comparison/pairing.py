@@ -8,15 +8,13 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter, defaultdict
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from typing import Any, Final, TypeVar
 
 import yaml
 
 from kg.holes import anonymous
 from kg.yamltext import load_yaml
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 
 _Thing = TypeVar("_Thing")
 

@@ -5,16 +5,13 @@ Drawings mark what changed by the keys that `kg.render.system_graph` gives to no
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from collections.abc import Callable, Iterator
+from typing import Any, Final, TypeAlias
 
 from kg.facts import Role
 from kg.launch.comparison.changes import Change, Difference, Kind, Level, Side
 from kg.launch.comparison.wording import change_words, sign, summary
 from kg.render.text import count, printable
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
 
 _BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
 

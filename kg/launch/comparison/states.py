@@ -9,8 +9,9 @@ added, in the same file. Consequences of a reported change are not reported agai
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from kg.facts import (
     InstanceInterface,
@@ -29,10 +30,6 @@ from kg.launch.comparison.instances import CodeChanges, Instances, code_name, re
 from kg.launch.comparison.pairing import all_pairs, canonical, matched, paired, relabelled
 from kg.launch.comparison.renaming import Renames, instance_pairs
 from kg.render.text import count
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-
 
 Connection: TypeAlias = tuple[str, str, str, str]
 """The node that gives, the kind of channel, its name, the node that takes."""

@@ -6,15 +6,12 @@ Source: design.ros2.org/articles/qos_configurability.html; they are named
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.facts import LaunchParameter, Qos, Role
 from kg.launch.wiring.values import parsed
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 _PREFIX: Final = "qos_overrides."
 _ENTITIES: Final = {"publisher": Role.PUBLISHES, "subscription": Role.SUBSCRIBES}

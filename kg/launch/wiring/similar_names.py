@@ -15,14 +15,12 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from itertools import combinations
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from kg.holes import is_partial
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 Words: TypeAlias = "tuple[tuple[str, ...], ...]"
 """The words of each segment of a name, in small letters."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.codes import SEVERITIES
 from kg.errors import Place
@@ -18,10 +19,6 @@ from kg.rules.files import NOTATIONS, RuleFile, RuleSet
 from kg.rules.reading import Pack, read_each, sources
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-
 
 CHECKS: Final[Mapping[str, Callable[[RuleFile, Context], Iterator[Finding]]]] = {
     "KG201": no_rule,

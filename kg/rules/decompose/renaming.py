@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from kg.rules import form, sparql
 from kg.rules.decompose import expressions
 from kg.syntax import printer
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
 
 
 def renamed(body: Iterable[form.Element], names: Mapping[form.Variable, form.Variable]) -> tuple[form.Element, ...]:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
 
 from kg.rules.form import Variable, variables_of
 from kg.syntax import tree
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 Uses: TypeAlias = "Counter[str]"
 """The names of variables with how often they occur."""

@@ -9,11 +9,12 @@ The terms that ontologies define, with where they do, for editors.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 from urllib.parse import unquote, urlsplit
 
 import pyoxigraph
@@ -25,9 +26,6 @@ from kg.rules.notations.shacl.graph import StringToken
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, quoted, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, RDF_TYPE, is_absolute, resolve, shorten
 from kg.syntax.prologue import declared
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 _LOCAL: Final = re.compile(r"[^#/]*\Z")
 _BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)

@@ -8,8 +8,9 @@ that changed. Planning such a rule costs more than this check.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from pyoxigraph import BlankNode, NamedNode
 
@@ -19,14 +20,9 @@ from kg.rules.engine.heads import Collector
 from kg.rules.engine.plan import Assign, Block, Grouped, Head, Match, Rows, RulePlan, Structure
 from kg.rules.engine.solve import Solver, State
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
-from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, TripleTerm, Variable
+from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, Term, TripleTerm, Variable
 from kg.rules.maintain.patterns import Delta, World, pattern
 from kg.rules.maintain.pivots import Pivot, Reading, pivots
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from kg.rules.form import Term
 
 _FEW: Final = 32
 """Larger changes are not checked triple by triple."""

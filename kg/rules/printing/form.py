@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from kg.rules import sparql
 from kg.rules.dependencies import reads
-from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule
+from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule, Variable
 from kg.rules.printing.rq import shortened
 from kg.syntax.lexer import bare
 from kg.syntax.names import PREFIXES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from kg.rules.form import Variable
 
 
 def to_form(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES, strata: Sequence[int] = ()) -> str:

@@ -17,7 +17,7 @@ from kg.rules import sparql
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.work import Names
 from kg.rules.explain.closures import Closures
-from kg.rules.form import Atom, Rule, TripleTerm, atoms_of, binds, bound_in, is_auxiliary
+from kg.rules.form import Atom, Pattern, Rule, TripleTerm, Variable, atoms_of, binds, bound_in, is_auxiliary
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.rules.files import RuleFile
-    from kg.rules.form import Pattern, Variable
 
 
 def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:

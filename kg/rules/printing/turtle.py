@@ -10,8 +10,8 @@ target, the name of the rule.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
@@ -22,10 +22,6 @@ from kg.rules.notations.shacl.query import EXCLUDED, PREBOUND
 from kg.rules.printing.rq import called, construct, refusal, shortened, variables_of, with_prefixes
 from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
 
 _SH = "http://www.w3.org/ns/shacl#"
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.launch.files.markup import Document, Markup
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _WITH_TEXT: Final = "rosparam"
 

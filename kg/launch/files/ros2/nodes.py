@@ -8,21 +8,17 @@ before those that are set for all nodes, these before those of the node itself.
 from __future__ import annotations
 
 import posixpath
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
-from kg.launch.files.ros2.actions import Include
+from kg.launch.files.ros2.actions import Executable, Include, LoadComponents, NodeAction, Text
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile
 from kg.launch.files.ros2.parameters import Owner, node_parameters
 from kg.launch.files.ros2.substitute import holds
 from kg.launch.files.ros2.values import of_text
 from kg.names import join, normalise
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from kg.launch.files.ros2.actions import Executable, LoadComponents, NodeAction, Text
 
 _REMAP: Final = {"-r", "--remap"}
 _PARAMETER: Final = {"-p", "--param"}

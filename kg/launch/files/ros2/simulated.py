@@ -6,16 +6,14 @@ description to a simulator, as descriptions of real robots have these plugins as
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
 
 from kg.facts import LaunchPlugin, Remap, StartedNode, StartKind
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile
 from kg.launch.files.ros2.parameters import Owner, node_parameters
 from kg.launch.wiring.simulation_table import manager_of, spawner_of
 from kg.names import normalise
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
 
 _ROS: Final = 2
 
