@@ -21,7 +21,7 @@ from pyoxigraph import NamedNode
 
 from kg.errors import KgError
 from kg.rules.decompose import decompose
-from kg.rules.decompose.uses import uses
+from kg.rules.decompose.renaming import uses
 from kg.rules.form import Atom, EngineBlock, Rule, Variable, readers_of
 from kg.syntax.parser import parse_rq
 from kg.syntax.tree import Alternative, Filter, GraphBlock, Group, Inverse, Node, Path, SubSelect, TriplePattern, Union

@@ -31,13 +31,12 @@ with lazily():
     from kg.render.sarif import annotation
     from kg.resources import folder
     from kg.rules.authoring.library import Entry, Library
-    from kg.rules.authoring.naming import choose
+    from kg.rules.authoring.starting import choose
     from kg.rules.authoring.testing import Result, parted, result_object, run_examples
     from kg.rules.checks.finding import Finding, as_object, remark, sarif
     from kg.rules.checks.run import Read, read_all
     from kg.rules.checks.run import check as run
-    from kg.rules.folders import families_in_force
-    from kg.rules.reading import packs
+    from kg.rules.reading import families_in_force, packs
 
 
 Names = Annotated[list[str] | None, argument("[NAME]...", "Rules, families, files or folders.")]

@@ -13,8 +13,7 @@ from kg.rules.checks.documents import documentation_missing, examples_malformed,
 from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.firing import always_fires, never_fires
 from kg.rules.checks.subsumed import subsumed
-from kg.rules.checks.variables import cartesian_product, variable_used_once
-from kg.rules.checks.vocabulary import head_never_read, unknown_terms
+from kg.rules.checks.vocabulary import cartesian_product, head_never_read, unknown_terms, variable_used_once
 from kg.rules.files import NOTATIONS, RuleFile, RuleSet
 from kg.rules.reading import Pack, read_each, sources
 from kg.rules.specialise import specialise

@@ -15,7 +15,7 @@ from pyoxigraph import BlankNode
 
 from kg.errors import Place, RuleError
 from kg.rules.decompose.expressions import new_node
-from kg.rules.decompose.uses import uses
+from kg.rules.decompose.renaming import uses
 from kg.similar import similar, suggest
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES, shorten

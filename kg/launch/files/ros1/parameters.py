@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.corpus.files import FilePath
-    from kg.launch.files.ros1.document import Element
+    from kg.launch.files.ros1.evaluate import Element
 
 _SOURCES: Final = ("value", "textfile", "binfile", "command")
 _TYPES: Final = {
