@@ -6,14 +6,12 @@ Every error that users see has a code, a place and a hint. `kg.codes` lists the 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import Final, TypeVar
 
 from kg.codes import CATALOGUE, CodeEntry
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
 
 __all__ = [
     "CATALOGUE",

@@ -7,12 +7,10 @@ same label in a name are the same unknown. Literal braces are doubled (`{{`, `}}
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, TypeGuard
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+from typing import Final, TypeGuard
 
 __all__ = [
     "ANONYMOUS",

@@ -13,13 +13,11 @@ from __future__ import annotations
 
 import builtins
 import sys
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from threading import RLock
-from typing import TYPE_CHECKING, Any, Final
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
 
 _LOCK: Final = RLock()
 _IMPORT: Final = builtins.__import__

@@ -9,19 +9,17 @@ are relative to that file. Each value has its origin.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg import forms
 from kg.errors import Place, UsageError
 from kg.forms import Form, FormError
 from kg.lazily import lazily
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 with lazily():
     import tomllib

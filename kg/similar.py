@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from difflib import SequenceMatcher, get_close_matches
 from heapq import nlargest
-from typing import TYPE_CHECKING
 
 from kg.errors import UnknownNameError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 __all__ = ["did_you_mean", "folded", "misspelt", "similar", "suggest", "unknown"]
 

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kg.cli.diagnostics import colored, note
 from kg.errors import Place, UsageError
 from kg.lazily import lazily
 from kg.render.text import json_text, printable, width
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
 
 with lazily():
     from rich.console import Console, RenderableType

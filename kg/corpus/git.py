@@ -9,12 +9,10 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.facts import Repository
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _SAFE: Final = (
     *("-c", "core.fsmonitor=false"),

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.corpus.git import run_git, without_password
 from kg.errors import Place, SourceError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
-    from pathlib import Path
 
 _URL: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)?$")
 _SCP: Final = re.compile(

@@ -12,17 +12,15 @@ from __future__ import annotations
 import os
 import posixpath
 import re
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.corpus.files import FileEntry, FilePath, PackageFolder, Place, Source
 from kg.corpus.scanning import scan, scan_tree
 from kg.facts import FileKind
 from kg.names import key
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 __all__ = [
     "INSTALLED",

@@ -12,8 +12,20 @@ from lsprotocol import types
 from kg.editors.texts import Text, diagnostic, path_of, read, uri_of
 from kg.errors import Fix, UsageError
 from kg.rules.files import NOTATIONS
-from kg.rules.lsp.language import Suggestion, complete, diagnose, hover, term_at, width
-from kg.rules.lsp.symbols import Occurrence, Symbol, Terms, occurrences, renamed, symbol_at
+from kg.rules.lsp.symbols import (
+    Occurrence,
+    Suggestion,
+    Symbol,
+    Terms,
+    complete,
+    diagnose,
+    hover,
+    occurrences,
+    renamed,
+    symbol_at,
+    term_at,
+    width,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -19,9 +19,8 @@ from kg.lint.running import Checked, check_store
 from kg.pipeline.reasoning import check_context, rule_folders, term_uses
 from kg.query.stored import discover
 from kg.rules.checks.run import read_all, with_rules
-from kg.rules.folders import families_in_force, user_folders
 from kg.rules.lsp.symbols import Terms
-from kg.rules.reading import packs
+from kg.rules.reading import families_in_force, packs, user_folders
 from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
 from kg.views.line import line

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
-from kg.evaluate.sheet import STATED, Fact, Facts, drawn
+from kg.evaluate.sheet import STATED, Fact, Facts, SourceLines, drawn
 from kg.evaluate.tables import Cell, Share, Table, shares_of, weighed, with_paper
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
@@ -31,7 +31,6 @@ from kg.query.rows import rows
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.evaluate.sheet import SourceLines
     from kg.store.interface import Snapshot
 
 _CALLS: Final = "calls that the graph has"

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.evaluate.linking import Ground
-    from kg.evaluate.references import Choice
     from kg.store.interface import Snapshot
 
 _QUERY: Final = "completeness/reference-entities"

@@ -18,7 +18,7 @@ from urllib.parse import unquote
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
 from kg.evaluate.tables import Cell, Table, safe_cell, shares_of, weighed
-from kg.facts import Role
+from kg.facts import Location, Role
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.interfaces import SHAPES
@@ -30,7 +30,6 @@ from kg.render.text import count
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.facts import Location
     from kg.graph.source_states import SourceState
     from kg.store.interface import Snapshot
 

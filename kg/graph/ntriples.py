@@ -6,14 +6,12 @@ IRIs come from `kg.graph.iris` and `kg.graph.vocabulary`, which only produce val
 from __future__ import annotations
 
 import math
+from datetime import datetime
 from decimal import Decimal
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.graph.vocabulary import LABEL, TYPE, XSD
 from kg.store.terms import literal
-
-if TYPE_CHECKING:
-    from datetime import datetime
 
 __all__ = ["Writer", "boolean", "double", "integer", "literal", "moment", "plain"]
 

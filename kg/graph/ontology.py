@@ -11,11 +11,12 @@ import re
 import shutil
 import subprocess
 import time
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import pyshacl
 from pyoxigraph import NamedNode, RdfFormat, Triple, parse
@@ -24,9 +25,6 @@ from rdflib import RDF, BNode, Graph, URIRef
 from kg.errors import GraphError
 from kg.graph import vocabulary as v
 from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator
 
 _IMPORTS: Final = b"<http://www.w3.org/2002/07/owl#imports>"
 _NOTHING: Final = v.OWL + "Nothing"

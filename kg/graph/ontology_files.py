@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, Final
 
 from pyoxigraph import BlankNode, RdfFormat, Triple, serialize
 
@@ -10,11 +12,6 @@ from kg.errors import GraphError, Place, SourceError
 from kg.resources import folder
 from kg.settings import Settings, user_paths
 from kg.store.files import format_of, quads_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from pathlib import Path
-
 
 ONTOLOGIES: Final = (
     "onto-ros.ttl",

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
 from kg.graph.builds import COUNTS, Counts
-from kg.graph.fields import one
+from kg.graph.fields import Properties, one
 from kg.graph.reading.queries import properties_in, select
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.graph.fields import Properties
     from kg.store.interface import Queryable
 
 _BUILDS: Final = """

@@ -18,7 +18,7 @@ from kg.impact.parameters import same_parameter
 from kg.impact.started import End, area_of, end_effect, ends_of, partners
 from kg.launch.comparison import Change, Difference, Level
 from kg.launch.comparison import Kind as Became
-from kg.launch.comparison.wording import change_words, sign
+from kg.launch.comparison.report import change_words, sign
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, LaunchArgument, LaunchConfiguration, Location, System
@@ -16,8 +16,6 @@ from kg.impact.model import Area, Effect, FileRecord, Grade, Kind, Subject, Worl
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from kg.launch.comparison.changes import Record
 
 

@@ -7,7 +7,7 @@ from collections import defaultdict
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Switch
+from kg.facts import InstanceParameter, Location, NodeInstance, Switch, System
 from kg.holes import is_partial, known_letters, pattern
 from kg.impact.model import Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import area_of, end_effect, ends_of, partners
@@ -16,7 +16,6 @@ from kg.names import normalise
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.facts import InstanceParameter, Location, NodeInstance, System
     from kg.launch.comparison.changes import Record
 
 _VERBS: Final = {"read": "reads", "write": "writes", "declare": "declares"}

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from kg.facts.texts import DescriptionKind
+from kg.facts.texts import Description, DescriptionKind, Phrase
 from kg.language.loading import pipeline
 from kg.language.patterns import PhraseFinder, read_patterns
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
     from spacy.tokens import Doc
 
-    from kg.facts.texts import Description, Phrase
 
 LONGEST_TEXT: Final = 20_000
 """Largest tagged part of a description in characters: ten pages; longer texts are data."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import explained_vocabulary
 from kg.rules.authoring.library import Library
-from kg.rules.authoring.naming import choose
+from kg.rules.authoring.starting import choose
 from kg.rules.authoring.workbench import Workbench
 from kg.rules.engine.limits import Limits
 from kg.rules.explain.view import View

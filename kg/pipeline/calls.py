@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kg.errors import Place, SourceError
 from kg.lazily import lazily
 from kg.settings import Settings, user_paths
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 with lazily():
     from kg.symbolic.checking import check

@@ -16,7 +16,7 @@ import os
 import queue
 import threading
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 from uuid import uuid4
 
 from kg.errors import Place, SourceError
@@ -28,7 +28,6 @@ from kg.pipeline.work import Outcome, failed
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from types import TracebackType
-    from typing import Self
 
     from kg.pipeline.pool import Task
     from kg.pipeline.report import Report

@@ -52,7 +52,7 @@ def chosen(
 ) -> list[System]:
     """Return the systems of the store, or that of `launch`, evaluated again if arguments or variables are given.
 
-    Raises as `find` and `check_given` of `kg.pipeline.launch_names`, and as `LaunchFile`.
+    Raises as `find` and `check_given`, and as `LaunchFile`.
     """
     check_given(launch, arguments, environment)
     if launch is None:

@@ -10,7 +10,7 @@ from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import rules_over
 from kg.rules.demand.deriving import Base, Derived, derive
 from kg.rules.engine.limits import Limits
-from kg.rules.folders import all_families
+from kg.rules.reading import all_families
 from kg.rules.recording import Names
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of

@@ -9,15 +9,13 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
-from pyoxigraph import NamedNode, RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
 from kg.rules.dependencies import pattern
 from kg.rules.specialise import is_schema
 
 if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
-
-    from pyoxigraph import Triple
 
     from kg.rules.recording import Names
     from kg.store.changes import Changes

@@ -21,8 +21,7 @@ from kg.lazily import lazily
 from kg.pipeline.filecache import State, cached_text, installations, states, unless_changed
 from kg.rules import compiled
 from kg.rules.files import RuleSet
-from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import Pack, discover, packs, rule_files
+from kg.rules.reading import Pack, discover, families_in_force, packs, rule_files, user_folders
 from kg.rules.recording import Names
 from kg.rules.specialise import schema_pattern, schema_query, specialised
 from kg.store.failure import translated

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Final, TypeAlias, TypeVar
 
 from kg.corpus.workspace import FileEntry, FilePath, PackageFolder, Place, Source, Workspace
 from kg.facts import FileKind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
 
 Lookup: TypeAlias = tuple[str, ...]
 """The name of a method of `Workspace` and its arguments; see `answer`."""

@@ -7,16 +7,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from pathlib import Path
+from typing import Any, Final, TypeAlias
 
 import msgspec
 
 from kg.facts import Known, Problem, Repository
 from kg.pipeline.report import PackageResult
 from kg.store.layout import write_atomically
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 Question: TypeAlias = tuple[str, ...]
 """A look-up of node types by wiring: the name of a method of `NodeTypes`, or `record`, and its arguments."""

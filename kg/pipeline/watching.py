@@ -11,7 +11,7 @@ from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import check_context, explained_vocabulary
 from kg.rules.authoring.differences import Difference, difference
 from kg.rules.authoring.library import Entry, Library, Watched
-from kg.rules.authoring.naming import choose
+from kg.rules.authoring.starting import choose
 from kg.rules.authoring.testing import Result, parted, run_examples
 from kg.rules.authoring.workbench import Workbench
 from kg.rules.checks.finding import Context, Finding, from_error

@@ -6,7 +6,7 @@ import itertools
 import re
 from difflib import get_close_matches
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import pyoxigraph
 
@@ -20,7 +20,6 @@ from kg.syntax.position import offset_of, place_at, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import TypeAlias
 
     Parse: TypeAlias = Callable[[str], object]
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable
+from typing import Final
 
 from kg.facts import HOLDS, Switch
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 _SIGNS: Final = {"==": "is"}
 

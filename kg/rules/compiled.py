@@ -14,17 +14,14 @@ import pickle
 from dataclasses import dataclass, fields, is_dataclass
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.rules.dependencies import patterns
 from kg.rules.files import Documentation, RuleFile, RuleSet
-from kg.rules.form import Atom, Expression
+from kg.rules.form import Atom, Expression, Rule
 from kg.rules.stratify import Stratum, stratify
 from kg.store.layout import write_atomically
 from kg.store.terms import Term
-
-if TYPE_CHECKING:
-    from kg.rules.form import Rule
 
 _NAME: Final = "compiled"
 _UNCUT: Final = "uncut"

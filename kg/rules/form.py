@@ -18,7 +18,7 @@ Terms are pyoxigraph's. Nothing here knows notations, stores or ROS.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Final, Self, TypeAlias, TypeGuard
 
 from pyoxigraph import NamedNode
 
@@ -27,7 +27,6 @@ from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, has_blank, repl
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
-    from typing import Self
 
     from kg.errors import Place
 

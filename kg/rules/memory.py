@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import json
 import mmap
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache, partial
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import BinaryIO, Final
 
 import numpy as np
 from pyoxigraph import NamedNode
@@ -23,12 +25,6 @@ from kg.rules.engine.facts import Facts, Keys, Packed
 from kg.rules.engine.terms import Dictionary, Spellings
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
-    from typing import BinaryIO
-
 
 _FOLDER: Final = "columns"
 _DIGEST_BYTES: Final = 16

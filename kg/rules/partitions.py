@@ -10,17 +10,14 @@ checks it again when the graph changes.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import BlankNode, NamedNode, Quad
 
 from kg.rules.form import Atom, EngineBlock, Pattern, Rule, is_auxiliary, readers_of
 from kg.syntax.names import shorten
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
 
 _TYPE: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type"
 _Key = tuple[str, str]

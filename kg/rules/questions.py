@@ -13,21 +13,18 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import NamedNode
 
 from kg.errors import KgError
 from kg.rules.decompose import decompose
-from kg.rules.decompose.uses import uses
+from kg.rules.decompose.renaming import uses
 from kg.rules.form import Atom, EngineBlock, Rule, Variable, readers_of
 from kg.syntax.parser import parse_rq
 from kg.syntax.tree import Alternative, Filter, GraphBlock, Group, Inverse, Node, Path, SubSelect, TriplePattern, Union
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 COLUMN: Final = "urn:kg:column:"
 """Begins the predicates of the head, one for each variable; they are not derived."""

@@ -59,7 +59,7 @@ from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.files import format_of, opened, quads_of
-from kg.store.layout import write_atomically
+from kg.store.layout import Layout, write_atomically
 from kg.store.terms import parts_of_lines
 
 if TYPE_CHECKING:
@@ -70,7 +70,6 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
     from kg.store.embedded import EmbeddedStore
-    from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
 _FEW: Final = 2500

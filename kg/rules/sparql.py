@@ -8,8 +8,9 @@ which its expression is in error.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import NamedNode, Triple
 
@@ -17,10 +18,6 @@ from kg.errors import RuleError
 from kg.rules import form
 from kg.syntax.names import shorten
 from kg.syntax.terms import GENERATED
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
 
 _IRI: Final = re.compile(r"<([^<>\s]+)>")
 _NEVER_FAILS: Final = re.compile(r"""\?[\w·]+|<[^<>\s]*>|-?[0-9]+(\.[0-9]+)?|"[^"\\]*\"""")

@@ -12,9 +12,11 @@ It is exact as long as no rule derives schema from data; where one does, rules a
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from itertools import count
-from typing import TYPE_CHECKING, Any, Final, TypeGuard
+from typing import Any, Final, TypeGuard
 
 from pyoxigraph import BlankNode, NamedNode, Quad, Store, Triple
 
@@ -22,11 +24,6 @@ from kg.rules import form
 from kg.rules.files import RuleSet
 from kg.rules.sparql import construct, select
 from kg.syntax.names import RDF_TYPE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from collections.abc import Set as AbstractSet
-
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"

@@ -12,9 +12,10 @@ fixpoint, where an evaluation in a single pass (SHACL-AF, section 8) would miss 
 from __future__ import annotations
 
 import heapq
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import NamedNode
 
@@ -23,10 +24,6 @@ from kg.render.text import some
 from kg.rules.dependencies import Read, depends, mints, reads
 from kg.rules.form import Atom, Rule, Variable
 from kg.syntax.names import shorten
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
 
 _FEW: Final = 5
 """So many rules of a cycle are named where it is enough to see that there is one."""

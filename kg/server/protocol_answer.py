@@ -10,7 +10,7 @@ from __future__ import annotations
 import tempfile
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import IO, TYPE_CHECKING, Final
 
 from starlette.responses import Response
 
@@ -25,7 +25,6 @@ from kg.store.failure import translated
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from typing import IO
 
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Final
@@ -14,7 +14,7 @@ from textual.containers import Vertical
 from textual.message import Message
 from textual.widgets import DataTable, Static
 
-from kg.errors import Place, UsageError
+from kg.errors import KgError, Place, UsageError
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
@@ -24,13 +24,10 @@ from kg.shell.actions import bindings
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from textual.app import ComposeResult
     from textual.binding import BindingType
     from textual.widgets.data_table import RowKey
 
-    from kg.errors import KgError
     from kg.store.terms import Term
 
 

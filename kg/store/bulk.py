@@ -13,7 +13,7 @@ The engine is passed as a function that returns it: in a local variable, the tra
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from pyoxigraph import (
     BlankNode,
@@ -34,7 +34,6 @@ from kg.store.terms import BLANK_MARK, split_blank
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Iterator
     from concurrent.futures import Future
-    from typing import TypeAlias
 
     Engine: TypeAlias = Callable[[], Store]
     Graph: TypeAlias = NamedNode | BlankNode | DefaultGraph

@@ -7,14 +7,12 @@ files are safe to read, because they only contain JSON and arrays of numbers.
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.store.layout import write_atomically
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
 
 _CHECKSUM_BYTES: Final = 4
 

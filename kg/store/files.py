@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import re
 import zlib
-from contextlib import contextmanager
-from typing import IO, TYPE_CHECKING, Final, cast
+from contextlib import AbstractContextManager, contextmanager
+from typing import IO, TYPE_CHECKING, Final, TypeAlias, cast
 
-from pyoxigraph import RdfFormat, parse
+from pyoxigraph import Quad, RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError
 from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-    from contextlib import AbstractContextManager
     from pathlib import Path
-    from typing import TypeAlias
-
-    from pyoxigraph import Quad
 
     Reopened: TypeAlias = Callable[[], AbstractContextManager[IO[bytes]]]
 

@@ -16,16 +16,14 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, Final
+from typing import BinaryIO, Final
 
 from kg.errors import Place, StoreError
 from kg.store.failure import shown, translated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 FOLDER: Final = ".kg"
 """Name of the folder of a store."""

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode, Store
 
 from kg.store import bulk
 from kg.store.failure import translated
 from kg.store.snapshot import EmbeddedSnapshot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
 
 
 class _Overlay(EmbeddedSnapshot):

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, Self, TypeAlias
 
 from oxrdflib import OxigraphStore
 from oxrdflib._converter import from_ox, from_ox_graph_name, to_ox, to_ox_quad_pattern
-from pyoxigraph import BlankNode
+from pyoxigraph import BlankNode, Literal, NamedNode, Store
 from rdflib import Dataset
 from rdflib.graph import ModificationException
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
-    from typing import Self, TypeAlias
 
-    from pyoxigraph import Literal, NamedNode, Store
     from rdflib.query import Result
 
     from kg.store.snapshot import EmbeddedSnapshot

@@ -11,8 +11,9 @@ atomically (SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from tempfile import SpooledTemporaryFile
-from typing import IO, TYPE_CHECKING, Final, Self, cast
+from typing import IO, Final, Self, cast
 from uuid import uuid4
 
 from pyoxigraph import (
@@ -34,10 +35,6 @@ from pyoxigraph import (
 from kg.errors import Place, StoreError
 from kg.store.http import Answer, Endpoint, RefusedError
 from kg.store.serialization import serialized
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
 
 _NO_UPDATES: Final = frozenset({400, 404, 405, 415, 501})
 """Statuses of responses to an update at an address for queries. Oxigraph and kg respond 400, as to invalid updates."""

@@ -16,27 +16,22 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, groupby
 from operator import itemgetter
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 from urllib.parse import quote_plus
 
 from pyoxigraph import BlankNode, NamedNode
 
 from kg.store.changes import since
-from kg.store.layout import write_atomically
+from kg.store.layout import Layout, write_atomically
 from kg.store.locks import writer
-from kg.store.remote import SIZES
+from kg.store.remote import SIZES, RemoteStore
 from kg.store.snapshot import EmbeddedSnapshot
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-    from kg.store.layout import Layout
-    from kg.store.remote import RemoteStore
 
 
 @dataclass(frozen=True, slots=True)

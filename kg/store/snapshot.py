@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Self, cast
 
 from pyoxigraph import (
     BlankNode,
@@ -26,7 +26,6 @@ from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from typing import Self
 
     from kg.store.layout import Layout
     from kg.store.terms import Term

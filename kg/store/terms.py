@@ -17,13 +17,11 @@ labels when a file is read (`rename_blank_nodes`).
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, TypeAlias, cast
+from typing import Final, TypeAlias, cast
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 Term: TypeAlias = NamedNode | BlankNode | Literal | Triple
 

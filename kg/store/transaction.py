@@ -9,9 +9,10 @@ fifths of the store begins empty.
 from __future__ import annotations
 
 import shutil
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, cast
+from typing import IO, cast
 
 from pyoxigraph import (
     BlankNode,
@@ -23,6 +24,7 @@ from pyoxigraph import (
     QueryTriples,
     RdfFormat,
     Store,
+    Triple,
     parse,
     serialize,
 )
@@ -34,12 +36,6 @@ from kg.store.failure import translated
 from kg.store.files import reading, required_format_of
 from kg.store.layout import Layout, folder_bytes, write_atomically
 from kg.store.snapshot import EmbeddedSnapshot
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-
-    from pyoxigraph import Triple
-
 
 _MERGED_SHARE = 0.25
 """After a load of more than this share of a generation's bytes, its files are merged."""

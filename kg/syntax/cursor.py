@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import NamedNode
 
@@ -15,9 +16,6 @@ from kg.syntax.position import place_at
 from kg.syntax.prologue import declaration
 from kg.syntax.terms import GENERATED
 from kg.syntax.tree import Span
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
 
 MAX_NESTING: Final = 100
 """Maximum nesting of brackets: more than anyone writes, and safe for recursive code."""

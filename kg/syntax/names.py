@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import NamedNode, RdfFormat, parse
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 PREFIXES: Final = MappingProxyType(
     {

@@ -5,8 +5,9 @@ Expressions are checked and respelt, but not parsed to a tree: the store's engin
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import Literal, NamedNode, Triple
 
@@ -18,10 +19,6 @@ from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
 from kg.syntax.lexer import Kind, as_operator
 from kg.syntax.terms import Term, Variable
 from kg.syntax.triples import Mode, Triples
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
 
 _COMPARISONS: Final = ("=", "!=", "<", ">", "<=", ">=")
 _ARITHMETIC: Final = ("+", "-", "*", "/")

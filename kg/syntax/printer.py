@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
 
 from pyoxigraph import NamedNode
 
 from kg.syntax.lexer import Kind, Token, tokens_of
 from kg.syntax.terms import Variable
 from kg.syntax.tree import Alternative, Inverse, Negated, Path, Sequence
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
 
 
 def respelt(text: str, spelling: Callable[[Token], str | None]) -> str:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 
 from kg.syntax.lexer import tokens
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _PREFIX: Final = re.compile(r"@?prefix\s+([\w.-]*):\s*<([^>]*)>", re.IGNORECASE)
 _LENGTHS: Final = {"prefix": 3, "base": 2, "@prefix": 4, "@base": 3}

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from pyoxigraph import BlankNode, Triple
 
 from kg.store.terms import Term
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 __all__ = ["GENERATED", "Pattern", "Term", "TripleTerm", "Variable", "has_blank", "replaced", "variables_of"]
 

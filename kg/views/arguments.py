@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Mapping
+from typing import Final
 
 import msgspec
 
 from kg.errors import UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _DIGITS: Final = 9  # how many digits a number may have: any with so many fits wherever it goes
 

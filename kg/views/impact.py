@@ -16,8 +16,8 @@ from kg.graph.reading.impact_nodes import (
     settable_names,
     types_called,
 )
-from kg.graph.reading.nodes import node_records
-from kg.graph.reading.systems import started_names, systems
+from kg.graph.reading.nodes import NodeRecord, node_records
+from kg.graph.reading.systems import SystemName, started_names, systems
 from kg.impact.assessing import impact as assess
 from kg.impact.changes import Broken, broken, definition_changes
 from kg.impact.model import CHANNELS, Impact, Kind, Subject
@@ -35,8 +35,6 @@ from kg.views.systems import configuration_names
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.graph.reading.nodes import NodeRecord
-    from kg.graph.reading.systems import SystemName
     from kg.lint.finding import Finding as Found
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore

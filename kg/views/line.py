@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Interface, Location
+from kg.facts import Interface, Location, NodeReference
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
 from kg.graph.reading.channels import defining_places
@@ -13,14 +13,12 @@ from kg.graph.reading.nodes import code_facts
 from kg.graph.reading.queries import among, column, texts
 from kg.holes import is_known
 from kg.views.channel import channel
-from kg.views.evidence import places
+from kg.views.evidence import Places, places
 from kg.views.wording import how, quality
 
 if TYPE_CHECKING:
-    from kg.facts import NodeReference
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
 
 _MOST: Final = 3
 """Number of names of one interface that are looked up; a wrapper can have many."""

@@ -6,13 +6,11 @@ looked for in descriptions.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.graph.ntriples import literal
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
 _NAMED: Final = "FILTER(STR({0}) = {1})"
 

@@ -12,7 +12,7 @@ import msgspec
 from kg.errors import Place, RuleError, UsageError
 from kg.pipeline.reasoning import check_context, digest, explained_vocabulary, rules_in_force, schema_of
 from kg.rules.authoring.library import Library
-from kg.rules.authoring.naming import find_rule
+from kg.rules.authoring.starting import find_rule
 from kg.rules.blocks.read import read
 from kg.rules.blocks.tree import FAMILY, Rule
 from kg.rules.blocks.write import Written, write

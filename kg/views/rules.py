@@ -18,7 +18,7 @@ from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema,
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.manual import documentation, documented, entry_object, manual, manual_object
-from kg.rules.authoring.naming import find_rule
+from kg.rules.authoring.starting import find_rule
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation, RuleFile
 from kg.rules.form import is_auxiliary
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from kg.rules.authoring.library import Entry
     from kg.settings import Settings
     from kg.store.interface import Queryable
     from kg.store.snapshot import EmbeddedSnapshot

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Role
+from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, NodeReference, Role, System
 from kg.graph.iris import Iris, fragment
 from kg.graph.records import end_object
 from kg.render.system_graph import SystemGraph, channel_of, of_framework
@@ -15,7 +15,6 @@ from kg.views.wording import quality
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, NodeReference, System
     from kg.views.evidence import Places
 
 

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.reading.queries import texts
-from kg.query.completion.statistics import SnapshotCache
+from kg.query.completion.statistics import SnapshotCache, Statistics
 from kg.syntax.names import prefixed, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.query.completion.statistics import Statistics
     from kg.store.snapshot import EmbeddedSnapshot
 
     Rows = Sequence[dict[str, Any]]

@@ -8,10 +8,10 @@ from kg.errors import RuleError
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.query.naming import facts
 from kg.rules.explain.derivations import derivations
-from kg.rules.explain.rows import why_row as traced
 from kg.rules.explain.view import View
 from kg.rules.explain.why import why as proven
 from kg.rules.explain.why import why_all
+from kg.rules.explain.why import why_row as traced
 from kg.rules.explain.why_not import why_not as lacking
 from kg.syntax.names import PREFIXES
 from kg.views.arguments import texts, whole

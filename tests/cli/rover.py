@@ -26,7 +26,7 @@ from kg.facts import (
 from kg.graph.builds import BuildRecord, build_triples, count
 from kg.graph.iris import Iris
 from kg.resources import folder
-from kg.rules.authoring.memory import infer
+from kg.rules.authoring.runs import infer
 from kg.rules.engine.evaluate import Program
 from kg.rules.reading import discover
 from kg.store.embedded import EmbeddedStore

@@ -13,7 +13,7 @@ from rules.decompose.texts import NODES, OBJECTS, PREDICATES, VARIABLES, Texts
 
 from kg.errors import RuleError
 from kg.rules.decompose import decompose
-from kg.rules.decompose.uses import possible
+from kg.rules.decompose.renaming import possible
 from kg.rules.stratify import stratify
 from kg.syntax.parser import parse_rq
 

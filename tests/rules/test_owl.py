@@ -14,7 +14,7 @@ from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 from rdflib import OWL, RDF, RDFS, Graph
 
 from kg.resources import folder
-from kg.rules.authoring.memory import infer
+from kg.rules.authoring.runs import infer
 from kg.rules.engine.evaluate import Program
 from kg.rules.reading import discover
 from kg.syntax.names import PREFIXES

@@ -13,7 +13,7 @@ from rules.forms import rule
 from kg.errors import RuleError
 from kg.graph.ontology_files import ontology_triples
 from kg.resources import folder
-from kg.rules.authoring.memory import infer
+from kg.rules.authoring.runs import infer
 from kg.rules.engine.evaluate import Program
 from kg.rules.form import Values, Variable
 from kg.rules.reading import discover

@@ -11,7 +11,7 @@ import pytest
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import explained_vocabulary
 from kg.rules.authoring.firing import fire
-from kg.rules.authoring.memory import triples_of
+from kg.rules.authoring.runs import triples_of
 from kg.rules.columns import read_columns, union_of, wanted
 from kg.rules.engine.terms import Dictionary
 from kg.rules.explain.view import View

@@ -1,6 +1,6 @@
 """`kg topic`, `service`, `action` and `param`: one name with its ends or values, in launched systems and in code."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from kg.cli import completion
@@ -16,8 +16,6 @@ from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
     from rich.console import RenderableType
 
 

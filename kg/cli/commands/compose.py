@@ -1,6 +1,7 @@
 """`kg compose`: chains of nodes that turn one type of messages into another, and the launch files that wire them."""
 
-from typing import TYPE_CHECKING, Annotated, Final
+from collections.abc import Iterator
+from typing import Annotated, Final
 
 from kg.cli.completion import features, nodes
 from kg.cli.diagnostics import note
@@ -11,10 +12,6 @@ from kg.lazily import lazily
 from kg.render.text import count, printable, some
 from kg.settings import Settings
 from kg.store.opening import existing
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 with lazily():
     from kg.search.compose import Question

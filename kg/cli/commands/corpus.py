@@ -2,10 +2,11 @@
 
 import sys
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -18,10 +19,6 @@ from kg.corpus.selection.select import STATISTICS
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.render.text import count, printable
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 with lazily():
     from kg.corpus.fetching.git import Limits

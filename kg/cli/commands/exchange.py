@@ -37,7 +37,7 @@ with lazily():
     from kg.pipeline.snapshots import pull as fetch
     from kg.pipeline.updating.ownership import protected_graphs
     from kg.query.writing import parquet
-    from kg.rules.folders import user_folders
+    from kg.rules.reading import user_folders
     from kg.search.searching import open_search
 
 

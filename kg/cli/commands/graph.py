@@ -1,8 +1,9 @@
 """`kg graph` and `kg instances`: what a launch file starts, in words, as a picture and for other programs."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -28,10 +29,6 @@ from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 
 with lazily():
     from kg.facts import NodeInstance, Role, StartKind, System

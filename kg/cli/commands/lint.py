@@ -2,12 +2,13 @@
 
 import sys
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import Annotated, Any, Final
 
 import typer
 
@@ -32,10 +33,6 @@ from kg.lint.question import DECLARED, Question
 from kg.render.text import count, printable, some
 from kg.settings import Settings, load_table
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
 
 with lazily():
     from kg.cli.commands.build import left_out

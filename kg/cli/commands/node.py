@@ -12,7 +12,18 @@ from kg.cli.options import All, Json, Via, argument, option, with_settings
 from kg.cli.output import json_lines, line_width, shortened, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
-from kg.facts import Location, NodeKind, NodeType, Parameter, PluginSlot, Role, StartKind
+from kg.facts import (
+    InstanceInterface,
+    Location,
+    NodeInstance,
+    NodeKind,
+    NodeType,
+    Parameter,
+    PluginSlot,
+    Role,
+    StartKind,
+    System,
+)
 from kg.lazily import lazily
 from kg.names import join
 from kg.render.text import count, printable, some, width
@@ -26,7 +37,6 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from kg.facts import InstanceInterface, NodeInstance, System
     from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 

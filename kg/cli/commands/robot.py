@@ -34,8 +34,7 @@ with lazily():
     from kg.robot.connecting import address_of, look
     from kg.robot.live import Event, Watching
     from kg.robot.live.asking import Subject, launched, of_package, running
-    from kg.rules.explain.export import proof_object
-    from kg.rules.explain.text import proof_lines
+    from kg.rules.explain.text import proof_lines, proof_object
     from kg.store.opening import writable
     from kg.views.evidence import Places
 

@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from kg.rules.authoring.coverage import RuleCoverage
     from kg.rules.authoring.profiling import RuleProfile
     from kg.rules.authoring.runs import Share
-    from kg.rules.authoring.testing import Result
+    from kg.rules.authoring.testing import Result, RuleCoverage
     from kg.rules.explain.view import View
     from kg.rules.files import Documentation
     from kg.rules.form import Term
@@ -48,10 +47,9 @@ with lazily():
     from kg.rules.authoring.differences import Changed, Difference, difference, difference_objects
     from kg.rules.authoring.library import Entry, Library
     from kg.rules.authoring.manual import Manual, documented, entry_object, manual, manual_object
-    from kg.rules.authoring.naming import choose, find_rule
     from kg.rules.authoring.spelling import spell_term, spell_triple
-    from kg.rules.authoring.starting import start
-    from kg.rules.folders import own_folder
+    from kg.rules.authoring.starting import choose, find_rule, start
+    from kg.rules.reading import own_folder
 
 
 Chosen = Annotated[

@@ -3,11 +3,12 @@
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -23,10 +24,6 @@ from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-
 with lazily():
     from kg.cli.commands.rules import change_lines, difference_words, result_lines
     from kg.pipeline.reasoning import check_context, rule_folders
@@ -34,13 +31,12 @@ with lazily():
     from kg.render.sarif import annotation
     from kg.resources import folder
     from kg.rules.authoring.library import Entry, Library
-    from kg.rules.authoring.naming import choose
+    from kg.rules.authoring.starting import choose
     from kg.rules.authoring.testing import Result, parted, result_object, run_examples
     from kg.rules.checks.finding import Finding, as_object, remark, sarif
     from kg.rules.checks.run import Read, read_all
     from kg.rules.checks.run import check as run
-    from kg.rules.folders import families_in_force
-    from kg.rules.reading import packs
+    from kg.rules.reading import families_in_force, packs
 
 
 Names = Annotated[list[str] | None, argument("[NAME]...", "Rules, families, files or folders.")]

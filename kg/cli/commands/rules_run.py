@@ -25,13 +25,13 @@ with lazily():
     from kg.pipeline.authoring import attempt
     from kg.pipeline.inferring import unchanged
     from kg.pipeline.reasoning import division, ontology_schema, rules_over
-    from kg.rules.authoring.coverage import cover, coverage_objects
     from kg.rules.authoring.graph import graph_objects, graph_picture, mermaid, rule_graph
     from kg.rules.authoring.library import Library
-    from kg.rules.authoring.naming import choose
     from kg.rules.authoring.profiling import profile as profiled
     from kg.rules.authoring.profiling import profile_objects
     from kg.rules.authoring.runs import remote_objects, remote_strata, rule_runs, run_objects, shares
+    from kg.rules.authoring.starting import choose
+    from kg.rules.authoring.testing import cover, coverage_objects
     from kg.rules.engine.limits import Limits
     from kg.rules.partitions import verdicts
     from kg.rules.reports import RunReport, nothing_changed

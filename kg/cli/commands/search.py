@@ -1,8 +1,9 @@
 """`kg search`: nodes by what they do, need and are wired to, with the reasons."""
 
 import sys
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -17,10 +18,6 @@ from kg.render.text import count, printable, some
 from kg.search.options import FILTERS
 from kg.settings import Settings
 from kg.store.opening import existing, reading, reading_with_cache
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 with lazily():
     import click

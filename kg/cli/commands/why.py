@@ -34,11 +34,8 @@ with lazily():
     from kg.graph.iris import Iris
     from kg.query.core import row as row_of
     from kg.query.naming import facts
-    from kg.rules.explain.export import mermaid, proof_object, why_not_object
-    from kg.rules.explain.picture import picture
-    from kg.rules.explain.rows import why_row
-    from kg.rules.explain.text import Line, proof_lines, why_not_lines
-    from kg.rules.explain.why import why_all
+    from kg.rules.explain.text import Line, mermaid, picture, proof_lines, proof_object, why_not_lines, why_not_object
+    from kg.rules.explain.why import why_all, why_row
     from kg.views.evidence import Places, places
     from kg.views.why import absent, explaining
     from kg.views.wording import quoted

@@ -24,17 +24,15 @@ import os
 import re
 import tempfile
 import tomllib
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.corpus.files import Pin
 from kg.corpus.git import describe
 from kg.errors import Place, SourceError
 from kg.settings import toml_place
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 VERSION: Final = 1
 FETCHED: Final = "fetched"

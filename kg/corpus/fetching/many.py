@@ -11,21 +11,19 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
 from kg.corpus.fetching.git import StoppedError
 from kg.corpus.fetching.lock import FETCHED, Entry, Lock, read_lock, write_lock
 from kg.corpus.fetching.one import Options, fetch_one
 from kg.corpus.fetching.wanted import Wanted, wanted_among
 from kg.errors import Place, SourceError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
 
 _WORKSPACE: Final = ".fetching"
 _TICK_SECONDS: Final = 0.2

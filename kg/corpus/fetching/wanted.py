@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.corpus.git import repository_name
 from kg.corpus.sources import address_problem, listed, parse_source
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-    from pathlib import Path
 
 _PROTOCOLS: Final = {"https": "https", "http": "http:https", "ssh": "ssh", "git": "git", "file": "file"}
 """Schemes of addresses, and the protocols allowed for each: a server cannot redirect to others."""

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.errors import Place, SourceError
 from kg.similar import did_you_mean
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-    from pathlib import Path
 
 _UNKNOWN: Final = frozenset({"", "NA", "N/A", "-", "?"})
 """Texts of cells with an unknown number."""

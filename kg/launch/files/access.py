@@ -13,7 +13,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.files import FilePath
+from kg.corpus.files import FilePath, Place
 from kg.extract.manifests.installing import Installed
 from kg.facts import FileKind, LaunchProblemKind, StartedNode
 from kg.lazily import lazily
@@ -21,7 +21,6 @@ from kg.lazily import lazily
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.corpus.files import Place
     from kg.corpus.reading import Reader
 
 with lazily():

@@ -5,13 +5,17 @@ Names of interfaces whose text comes from a parameter: the part that the paramet
 A fact has the name with the parameter's default in it (`~/front/scan`, of the parameter `~/topic` with the default
 `scan`), or a hole with its label where it has none. Where the default is in the name tells which part is the
 parameter's.
+
+Source: design.ros2.org/articles/qos_configurability.html; overrides of QoS are parameters named
+`qos_overrides.<topic>.<publisher|subscription>[_<id>].<policy>`.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import (
     CAMERA_ORIGIN,
@@ -21,7 +25,9 @@ from kg.facts import (
     Location,
     NodeReference,
     NodeType,
+    Qos,
     Resolution,
+    Role,
 )
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
 from kg.launch.wiring.families import effective, members
@@ -29,14 +35,54 @@ from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
 
     from kg.launch.wiring.behavior_trees import TreeNode
     from kg.launch.wiring.inner_nodes import Spelling
     from kg.launch.wiring.place import Place
     from kg.launch.wiring.plugins import Framework, Loaded
-    from kg.launch.wiring.qos import Overrides
     from kg.launch.wiring.remapping import Remapping
+
+_PREFIX: Final = "qos_overrides."
+_ENTITIES: Final = {"publisher": Role.PUBLISHES, "subscription": Role.SUBSCRIBES}
+_WORDS: Final = ("reliability", "durability", "history", "liveliness")
+_DURATIONS: Final = {"deadline": "deadline", "lifespan": "lifespan", "liveliness_lease_duration": "lease_duration"}
+_NANOSECONDS: Final = 1_000_000_000
+
+
+class Overrides:
+    """The overrides among the parameters of an instance."""
+
+    def __init__(self, own: Mapping[str, LaunchParameter]) -> None:
+        self.names: list[str] = []
+        """The parameters that are overrides."""
+        self._of: dict[tuple[str, Role], dict[str, Any]] = {}
+        for name, parameter in own.items():
+            if name.startswith(_PREFIX):
+                self.names.append(name)
+                self._read(name.removeprefix(_PREFIX), parameter.value)
+
+    def _read(self, rest: str, value: str | None) -> None:
+        topic, _, policy = rest.rpartition(".")
+        topic, _, entity = topic.rpartition(".")
+        role = _ENTITIES.get(entity.partition("_")[0])
+        setting = parsed(value)
+        if role is None or not topic:
+            return
+        number = isinstance(setting, int) and not isinstance(setting, bool)
+        if (policy in _WORDS and isinstance(setting, str)) or (policy == "depth" and number):
+            change: dict[str, object] = {policy: setting}
+        elif policy in _DURATIONS and number:
+            change = {_DURATIONS[policy]: setting / _NANOSECONDS}
+        else:
+            return
+        self._of.setdefault((topic, role), {}).update(change)
+
+    def applied(self, declared: Qos | None, topic: str | None, role: Role) -> Qos | None:
+        """Return the quality of service in force at one end of a topic with an absolute name."""
+        change = self._of.get((topic or "", role)) if self._of else None
+        return replace(declared or Qos(), **change) if change else declared
+
 
 _PORT: Final = re.compile(r"port\[(\w+)\]")
 """What stands for a parameter where a name is a port of a node of behavior trees."""

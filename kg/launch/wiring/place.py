@@ -7,16 +7,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING
 
-from kg.facts import StartKind
+from kg.facts import NodeType, StartedNode, StartKind
 from kg.holes import ANONYMOUS, PARENT, substitute
 from kg.launch.wiring.plugin_table import rows
 from kg.launch.wiring.types import own_name
 from kg.names import join, normalise
-
-if TYPE_CHECKING:
-    from kg.facts import NodeType, StartedNode
 
 
 @dataclass(frozen=True, slots=True)

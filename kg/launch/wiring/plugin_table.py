@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from functools import cache
-from typing import TYPE_CHECKING, Final, TypeVar
+from pathlib import Path
+from typing import Final, TypeVar
 
 from kg.errors import Place as ErrorPlace
 from kg.errors import UsageError
 from kg.resources import folder
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 _Row = TypeVar("_Row")
 _FILE: Final = "plugins.toml"

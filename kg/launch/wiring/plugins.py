@@ -6,9 +6,10 @@ The table is `ontology/plugins.toml`; its head explains it.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from kg.facts import TREE_NODE, Interface, NodeKind, NodeType, PluginSlot, Resolution
 from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
@@ -17,10 +18,6 @@ from kg.launch.wiring.plugin_table import rows
 from kg.launch.wiring.types import NodeTypes, Typed, class_name
 from kg.launch.wiring.values import parsed
 from kg.names import normalise
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
-
 
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
 _OWN_ID: Final = re.compile(r"~/\{(\w+)\}/")

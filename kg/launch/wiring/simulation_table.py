@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.facts import Role
 from kg.holes import is_partial
 from kg.launch.wiring.plugin_table import load_rows
 from kg.resources import folder
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 _FILE: Final = "simulation.toml"
 _END: Final = re.compile(

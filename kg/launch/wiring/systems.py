@@ -10,7 +10,7 @@ from kg.launch.wiring.behavior_trees import run_trees
 from kg.launch.wiring.controllers import attach, with_controllers
 from kg.launch.wiring.inner_nodes import started_inner, started_other
 from kg.launch.wiring.instances import Draft, draft_of, finished, loads
-from kg.launch.wiring.near_misses import near_misses
+from kg.launch.wiring.similar_names import near_misses
 from kg.launch.wiring.simulation import simulate
 from kg.launch.wiring.values import Server
 

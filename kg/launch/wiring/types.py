@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, TypeAlias
 
 from kg.facts import TREE_NODE, DataFile, MissingType, NodeKind, NodeName, NodeReference, NodeType, StartedNode
 from kg.holes import is_partial
 from kg.launch.wiring.similar_names import Alike
 from kg.names import normalise
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
 
 Typed: TypeAlias = "tuple[NodeReference, NodeType]"
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import pyoxigraph
 
@@ -13,10 +14,6 @@ from kg.query.guard import check
 from kg.syntax.lexer import Kind, Token, normalise, tokens
 from kg.syntax.names import PREFIXES
 from kg.syntax.position import place_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 
 _FAILING: Final = "CLEAR GRAPH <urn:kg:no-such-graph>; "
 """Prefix to an update that makes the engine parse all operations but run none, as this one fails first."""

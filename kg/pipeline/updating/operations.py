@@ -6,15 +6,13 @@ parts are not found is rejected as a syntax error.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from kg.errors import QueryError
 from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.position import place_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _PROLOGUE: Final = {"prefix": 3, "base": 2, "version": 2}
 _MANAGING: Final = frozenset({"clear", "drop", "create", "add", "move", "copy"})

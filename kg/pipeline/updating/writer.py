@@ -14,7 +14,7 @@ import asyncio
 import os
 import sys
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import msgspec
 
@@ -25,7 +25,6 @@ from kg.query.runner import DeadlineError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import Self
 
     from kg.settings import Settings
     from kg.store.layout import Layout

@@ -7,14 +7,13 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kg.errors import QueryError
+from kg.errors import KgError, QueryError
 from kg.query.readers.messages import End, Failure, Head, Progress
 
 if TYPE_CHECKING:
     import asyncio
     from collections.abc import AsyncIterator
 
-    from kg.errors import KgError
     from kg.query.readers.cache import CachedResponse
     from kg.query.readers.processes import Process
 

@@ -22,12 +22,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import KgError, QueryError
-from kg.query.readers.answers import Answer
+from kg.query.readers.answers import Answer, Job
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.query.readers.answers import Job
     from kg.query.readers.processes import Fleet, Process
 
 

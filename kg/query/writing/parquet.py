@@ -12,15 +12,13 @@ from importlib.util import find_spec
 from itertools import islice
 from typing import IO, TYPE_CHECKING, Any, Final
 
-from pyoxigraph import DefaultGraph
+from pyoxigraph import DefaultGraph, Quad
 
 from kg.errors import QueryError
 from kg.query.writing.values import bare, plain, turtle
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
-
-    from pyoxigraph import Quad
 
     from kg.query.result import Row
     from kg.store.terms import Term

@@ -12,7 +12,7 @@ from urllib.parse import unquote
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import lost, not_commanded, number, options
-from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
+from kg.robot.connection import ComputationGraph, GraphProblem, Level, LiveEnd, LiveNode, Received, RecordedTopic
 from kg.robot.inbox import Changes, Inbox
 from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from kg.robot.bag.files import Bag, Source
-    from kg.robot.connection import Level
     from kg.robot.messages import Types
 
 _OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "seconds from the beginning"}

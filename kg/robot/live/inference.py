@@ -33,8 +33,7 @@ from kg.robot.live.systems import Seen, name_of, system_of
 from kg.rules.columns import lines, read_columns, stated, stored, union_of, wanted
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.terms import Dictionary
-from kg.rules.folders import families_in_force
-from kg.rules.reading import discover, packs
+from kg.rules.reading import discover, families_in_force, packs
 from kg.rules.specialise import specialised
 from kg.store import bulk
 from kg.store.layout import user_cache, write_atomically

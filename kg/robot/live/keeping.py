@@ -14,7 +14,7 @@ from pyoxigraph import NamedNode
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.shared import SHARED, split
 from kg.graph.systems import system_parts
-from kg.launch.wiring.near_misses import near_misses
+from kg.launch.wiring.similar_names import near_misses
 from kg.pipeline.inferring import Inference
 from kg.robot.capabilities import capability_labels
 from kg.robot.live.inference import now

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.driving.ways import choose, doubts_of
 from kg.robot.programs import kinds, tree, values
 from kg.robot.programs.events import Problem
@@ -26,7 +26,6 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kg.errors import Place
     from kg.robot.capability import Capabilities, Capability, Parameter
     from kg.robot.connection import ComputationGraph, GraphProblem
 

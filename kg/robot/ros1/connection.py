@@ -17,7 +17,7 @@ from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
 from kg.robot.ros1.services import call_service, probe
-from kg.robot.ros1.topics import Ros1Publication, Ros1Subscription, open_topic
+from kg.robot.ros1.topics import Offer, Ros1Publication, Ros1Subscription, open_topic
 from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import ended
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping
 
     from kg.robot.connection import Accepted, Cancel, ComputationGraph, Level, Value
-    from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
 _LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}  # constants of rosgraph_msgs/Log

@@ -9,7 +9,7 @@ from uuid import uuid4
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, within
-from kg.robot.connection import Accepted, Cancel, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
+from kg.robot.connection import Accepted, Cancel, ComputationGraph, Goal, GraphProblem, Level, LiveEnd, Value
 from kg.robot.lifecycle import States
 from kg.robot.ros2.actions import ActionServer, canceller, send_goal
 from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
@@ -22,7 +22,6 @@ from kg.robot.tasks import outcome, spawn
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
-    from kg.robot.connection import Level
     from kg.robot.messages import Types
     from kg.robot.ros2.address import Address
 

@@ -6,7 +6,7 @@ import asyncio
 import os
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 from urllib.parse import urlsplit
 from uuid import uuid4
 
@@ -29,7 +29,6 @@ from kg.robot.tasks import first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
-    from typing import Self
 
     from kg.robot.connection import Connection
     from kg.robot.simulation.plan import Place

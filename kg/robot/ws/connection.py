@@ -11,7 +11,7 @@ from websockets.exceptions import ConnectionClosed
 from kg.errors import RobotError
 from kg.robot.clock import Clock, WallClock
 from kg.robot.connecting import of_robot
-from kg.robot.connection import ComputationGraph, Received, Value
+from kg.robot.connection import ComputationGraph, Level, Received, Value
 from kg.robot.inbox import Changes, Inbox
 from kg.robot.lifecycle import States
 from kg.robot.tasks import Tasks, ended, first, spawn
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
-    from kg.robot.connection import Level
     from kg.robot.messages import Types
     from kg.robot.ws.foxglove import Foxglove
     from kg.robot.ws.rosbridge import Rosbridge

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from pyoxigraph import NamedNode, Triple
 
 from kg.rules.authoring.firing import fire
-from kg.rules.authoring.memory import triples_of
+from kg.rules.authoring.runs import triples_of
 from kg.rules.authoring.spelling import common_prefixes, spell_term
 from kg.rules.columns import stored, union_of
 from kg.rules.dependencies import depends

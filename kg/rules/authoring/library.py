@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from kg import resources
 from kg.errors import Place, RuleError
 from kg.rules.files import RuleFile, family_of
-from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import Pack, changed_at, packs, read, rival, rule_files, sources
+from kg.rules.reading import Pack, changed_at, families_in_force, packs, read, rival, rule_files, sources, user_folders
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable

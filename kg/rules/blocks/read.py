@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from textwrap import dedent
-from typing import TYPE_CHECKING, Final, get_args, get_type_hints
+from typing import Final, get_args, get_type_hints
 
 import msgspec
 from pyoxigraph import Literal, NamedNode
@@ -25,10 +26,6 @@ from kg.syntax.lexer import END, Kind, Token, as_operator, bare, normalise, quot
 from kg.syntax.names import PREFIXES, RDF_TYPE, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import path_text, renamed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
 
 _XSD: Final = PREFIXES["xsd"]
 _NUMBERS: Final = {

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from pyoxigraph import Literal
 
@@ -14,10 +15,6 @@ from kg.rules.files import HEADINGS
 from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
 from kg.syntax.printer import renamed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-
 
 SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HEADINGS, strict=True))
 """The member of a rule to the heading of its documentation."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import Final
 
 from kg.errors import Place, RuleError
 from kg.rules.authoring.examples import read_examples
 from kg.rules.checks.finding import Context, Finding, at_rule, from_error
 from kg.rules.files import REQUIRED_HEADINGS, Documentation, RuleFile
 from kg.syntax.position import place_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
 
 _RULES: Final = {
     ".rq": "A rule derives triples: CONSTRUCT { ... } WHERE { ... }, with filters that can hold.",

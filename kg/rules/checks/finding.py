@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.errors import RuleError
+from kg.errors import Fix, Place, RuleError
 from kg.render.sarif import Remark, Spot, document
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, normalise, tokens
 from kg.syntax.position import place_at, place_of
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-    from kg.errors import Fix, Place
     from kg.rules.checks.firing import StoreOf
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Rule

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.codes import SEVERITIES
 from kg.errors import Place
@@ -12,16 +13,11 @@ from kg.rules.checks.documents import documentation_missing, examples_malformed,
 from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.firing import always_fires, never_fires
 from kg.rules.checks.subsumed import subsumed
-from kg.rules.checks.variables import cartesian_product, variable_used_once
-from kg.rules.checks.vocabulary import head_never_read, unknown_terms
+from kg.rules.checks.vocabulary import cartesian_product, head_never_read, unknown_terms, variable_used_once
 from kg.rules.files import NOTATIONS, RuleFile, RuleSet
 from kg.rules.reading import Pack, read_each, sources
 from kg.rules.specialise import specialise
 from kg.rules.stratify import failures
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-
 
 CHECKS: Final[Mapping[str, Callable[[RuleFile, Context], Iterator[Finding]]]] = {
     "KG201": no_rule,

@@ -1,7 +1,7 @@
 """Rules as written, in any notation, become rules of the internal form.
 
 Only what is exact is taken apart; the rest stays SPARQL, in an `EngineBlock`. Why each rewriting is exact is in the
-module that does it: paths in `paths` and `patterns`, groups in `groups`, sub-SELECTs in `selects`. All are exact for
+module that does it: paths in `paths` and `patterns`, groups and sub-SELECTs in `groups`. All are exact for
 sets of solutions: a rule derives a triple or not, how often does not matter. Where it does, inside aggregates, only
 what keeps the number of solutions is taken apart.
 """
@@ -18,10 +18,8 @@ from kg.rules import form, sparql
 from kg.rules.decompose.blocks import block
 from kg.rules.decompose.calls import prepared
 from kg.rules.decompose.groups import Groups
-from kg.rules.decompose.parts import IndivisibleError, Scope
-from kg.rules.decompose.renaming import everywhere, renamed
-from kg.rules.decompose.uses import possible
-from kg.rules.decompose.work import Names, Work, head_variables
+from kg.rules.decompose.parts import IndivisibleError, Names, Scope, Work, head_variables
+from kg.rules.decompose.renaming import everywhere, possible, renamed
 from kg.similar import misspelt, suggest
 from kg.syntax.lexer import normalise
 from kg.syntax.position import place_at, place_of_variable

@@ -8,7 +8,7 @@ from pyoxigraph import NamedNode
 
 from kg.rules import sparql
 from kg.rules.decompose.paths import normal
-from kg.rules.decompose.uses import certain, possible
+from kg.rules.decompose.renaming import certain, possible
 from kg.rules.form import EngineBlock, Variable
 from kg.syntax import tree
 from kg.syntax.printer import path_text

@@ -13,19 +13,16 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode
 
-from kg.errors import RuleError
+from kg.errors import Place, RuleError
 from kg.rules.decompose.expressions import new_node
-from kg.rules.decompose.uses import uses
+from kg.rules.decompose.renaming import uses
 from kg.similar import similar, suggest
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES, shorten
-from kg.syntax.terms import Pattern, TripleTerm, replaced
+from kg.syntax.terms import Pattern, TripleTerm, Variable, replaced
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from kg.errors import Place
-    from kg.syntax.terms import Variable
 
     Placing = Callable[[tree.Span], Place]
 

@@ -24,9 +24,8 @@ from pyoxigraph import Literal, NamedNode, Triple
 from kg.rules import form, sparql
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import pattern_text, reads
-from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope, same
+from kg.rules.decompose.parts import EMPTY, AuxiliaryRules, IndivisibleError, Names, Part, Scope, Work, same
 from kg.rules.decompose.paths import Avoid, Closure, Link, Step, Steps, inverse, is_plain, key, normal
-from kg.rules.decompose.work import AuxiliaryRules, Names, Work
 from kg.syntax.tree import Repeat, Sequence, TriplePattern
 
 if TYPE_CHECKING:

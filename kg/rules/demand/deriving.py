@@ -18,7 +18,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import count
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 from pyoxigraph import NamedNode, Store
@@ -39,7 +39,6 @@ from kg.syntax.parser import parse_query
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
-    from typing import Self
 
     from kg.rules.engine.limits import Limits
     from kg.rules.files import RuleSet

@@ -27,8 +27,9 @@ double rule becomes a left one: p(x, z) from p(x, y), exit(y, z). With demand fo
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, TypeAlias
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
@@ -37,10 +38,6 @@ from kg.rules import form
 from kg.rules.dependencies import Read, mints, reads
 from kg.rules.stratify import Heads, edges
 from kg.syntax.names import RDF_TYPE
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
 
 Goal: TypeAlias = tuple[form.Atom | form.Values, ...]
 """Patterns and rows that a query joins: each pattern is asked for as far as the others bind it."""

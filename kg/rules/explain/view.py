@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Protocol, cast
+from typing import Final, Protocol, cast
 
 import pyoxigraph
 from pyoxigraph import Literal, NamedNode, QueryBoolean, QuerySolutions, QueryTriples, Triple
@@ -13,10 +14,6 @@ from kg.rules.explain.proof import Evidence
 from kg.rules.form import Element, Rule, Term, Variable
 from kg.rules.sparql import brief, select, spelling, substitutions
 from kg.syntax.names import PREFIXES, prefixed, shorten
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
 
 _LABEL: Final = NamedNode("http://www.w3.org/2000/01/rdf-schema#label")
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"

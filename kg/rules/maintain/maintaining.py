@@ -15,7 +15,7 @@ One stratum after a change: delete and rederive, then insert (Gupta, Mumick and 
 2. Put back the removed triples that still follow from the remaining data.
 3. Add what follows from triples that were added or put back, round by round.
 
-Triples under negation and aggregates belong to finished strata; `kg.rules.maintain.pivots` describes their effect.
+Triples under negation and aggregates belong to finished strata; `kg.rules.maintain.deriving` describes their effect.
 """
 
 from __future__ import annotations

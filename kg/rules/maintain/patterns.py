@@ -9,17 +9,14 @@ The data at one moment, and the triples added or removed between two moments.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from kg.rules.engine.facts import Facts, distinct
 from kg.rules.engine.tables import among
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 ANY: Final = 0
 _LOW: Final = 0xFFFFFFFF

@@ -15,9 +15,9 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 from kg.errors import Fix, Place, RuleError
 from kg.rules.decompose.calls import prepared
 from kg.rules.decompose.expressions import expression
+from kg.rules.decompose.parts import Names
 from kg.rules.decompose.paths import Link, normal
-from kg.rules.decompose.uses import uses
-from kg.rules.decompose.work import Names
+from kg.rules.decompose.renaming import uses
 from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, Term, TripleTerm, Variable
 from kg.similar import similar, suggest
 from kg.syntax import tree

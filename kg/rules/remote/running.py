@@ -35,13 +35,12 @@ from kg.rules.dependencies import depends, reads
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.sparql import Placed, distinct_solutions, group, triple
 from kg.rules.stratify import Stratum, stratify
-from kg.store.remote import SYSTEM_GRAPHS
+from kg.store.remote import SYSTEM_GRAPHS, RemoteSnapshot, RemoteStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.rules.files import RuleSet
-    from kg.store.remote import RemoteSnapshot, RemoteStore
 
 _GRACE_SECONDS: Final = 2.0
 """Seconds for a server to finish the current update after the deadline, before the clean-up."""

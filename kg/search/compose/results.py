@@ -12,12 +12,11 @@ from kg.graph.records import how_to_start
 from kg.render.text import count
 from kg.search.compose.chains import together
 from kg.search.compose.launching import launch_text
-from kg.search.compose.network import grouped
+from kg.search.compose.network import Part, Port, grouped
 
 if TYPE_CHECKING:
     from kg.search.compose.asking import ResolvedRequest
     from kg.search.compose.details import Details
-    from kg.search.compose.network import Part, Port
     from kg.search.compose.wiring import Start, Wiring
 
 LAUNCH_ENDS: Final = {1: ".launch", 2: ".launch.py"}

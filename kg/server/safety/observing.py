@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from starlette.requests import ClientDisconnect, HTTPConnection
 
@@ -11,18 +11,16 @@ from kg.errors import KgError
 from kg.server.errors import DefectError, RequestError, answer
 from kg.server.logs import Log
 from kg.server.metrics import Metrics
-from kg.server.records import record
+from kg.server.records import Record, record
 from kg.server.safety.headers import lines_of, with_headers
 from kg.server.scopes import WHOLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import TypeAlias
 
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
     from kg.server.options import Options
-    from kg.server.records import Record
 
     Whole: TypeAlias = Callable[[int, bytes, bytes], bool]
 

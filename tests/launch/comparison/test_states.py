@@ -77,7 +77,7 @@ def test_equal_values_are_compared_without_reading_them(monkeypatch: pytest.Monk
     def refuse(text: str) -> str:
         raise AssertionError(text)
 
-    monkeypatch.setattr("kg.launch.comparison.instances.canonical", refuse)
+    monkeypatch.setattr("kg.launch.comparison.states.canonical", refuse)
     rates = InstanceParameter("/a/rates", LaunchParameter("rates", "[1, 2]", PLACE))
     same = wired(replace(instance("/a"), parameters=(rates,)))
     assert told(same, same) == []

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from kg.facts import LaunchParameter, Location, Qos, Role
-from kg.launch.wiring.qos import Overrides
+from kg.launch.wiring.interfaces import Overrides
 
 LINE = Location("a.launch.py", 3)
 DECLARED = Qos(reliability="reliable", depth=10)

@@ -10,7 +10,7 @@ from kg.facts import Role
 from kg.graph.iris import Iris
 from kg.graph.shared import split
 from kg.graph.systems import system_triples
-from kg.launch.wiring.near_misses import near_misses
+from kg.launch.wiring.similar_names import near_misses
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
 from kg.robot.live.keeping import Parts
 from kg.robot.live.systems import Instances, Seen, system_of

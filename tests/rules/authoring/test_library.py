@@ -9,9 +9,8 @@ from rules.authoring.worlds import write_rules
 from kg import resources
 from kg.errors import KgError, RuleError, UsageError
 from kg.rules.authoring.library import Library, Watched
-from kg.rules.authoring.naming import choose, find_rule
-from kg.rules.folders import families_in_force, own_folder, user_folders
-from kg.rules.reading import read, rule_files
+from kg.rules.authoring.starting import choose, find_rule
+from kg.rules.reading import families_in_force, own_folder, read, rule_files, user_folders
 from kg.settings import load
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 from rules.authoring.worlds import bench, files, write_rules
 
-from kg.rules.authoring.coverage import cover, coverage_objects
 from kg.rules.authoring.profiling import profile, profile_objects
+from kg.rules.authoring.testing import cover, coverage_objects
 
 if TYPE_CHECKING:
     from pathlib import Path

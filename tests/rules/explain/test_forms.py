@@ -7,9 +7,7 @@ from xml.etree import ElementTree as ET
 
 from rules.explain.worlds import World, fact, rule, without
 
-from kg.rules.explain.export import mermaid, proof_object, why_not_object
-from kg.rules.explain.picture import picture
-from kg.rules.explain.text import proof_lines, why_not_lines
+from kg.rules.explain.text import mermaid, picture, proof_lines, proof_object, why_not_lines, why_not_object
 from kg.rules.explain.why import why
 from kg.rules.explain.why_not import why_not
 

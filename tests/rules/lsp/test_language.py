@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from kg.errors import Place
 from kg.rules.checks.finding import Context
 from kg.rules.files import RuleSet
-from kg.rules.lsp.language import complete, diagnose, hover, term_at, width
-from kg.rules.lsp.symbols import Terms
+from kg.rules.lsp.symbols import Terms, complete, diagnose, hover, term_at, width
 
 TURTLE = """\
 @prefix : <https://example.org/> .

@@ -20,7 +20,7 @@ from kg.names import normalise, resolve
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.launch.files.ros1.document import Element
+    from kg.launch.files.ros1.evaluate import Element
     from kg.launch.files.ros1.state import Scope, State
 
 _MAPPING: Final = re.compile(rf"(?:[~/A-Za-z]|__?)[\w/{HOLE}]*:=.*|{HOLE}[\w/{HOLE}]*:=.*", re.DOTALL)

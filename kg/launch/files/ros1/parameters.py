@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.evaluation import HOLE
-from kg.facts import LaunchPlugin, LaunchProblemKind
+from kg.facts import LaunchPlugin, LaunchProblemKind, Location
 from kg.launch.files.access import SCHEME, UNREAD
 from kg.launch.files.ros1.parameterfile import MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
 from kg.launch.files.ros1.state import Private, Scope, State
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.corpus.files import FilePath
-    from kg.facts import Location
-    from kg.launch.files.ros1.document import Element
+    from kg.launch.files.ros1.evaluate import Element
 
 _SOURCES: Final = ("value", "textfile", "binfile", "command")
 _TYPES: Final = {

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.corpus.files import FilePath
-    from kg.launch.files.ros1.document import Element
+    from kg.launch.files.ros1.evaluate import Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,9 @@ Source: wiki.ros.org/roslaunch/XML, "substitution args". As roslaunch has it, `$
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
 from kg.extract.python.evaluation import (
     HOLE,
@@ -23,10 +24,6 @@ from kg.extract.python.evaluation import (
 from kg.facts import LaunchProblemKind
 from kg.launch.files.access import SCHEME, Files
 from kg.launch.files.ros1.parameterfile import MOST_CHARACTERS, automatic
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
 
 _PACKAGE: Final = re.compile(r"[\w.+-]{1,200}")
 _COMMAND: Final = re.compile(r"\$\(([^$()]*)([$()]?)")

@@ -26,9 +26,8 @@ from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import Action, DeclareArgument, Include
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, Scope, find, unreadable
 from kg.launch.files.ros2.frontend import read_xml, read_yaml
-from kg.launch.files.ros2.nodes import execute_process, launched, load_components, start_node
+from kg.launch.files.ros2.nodes import execute_process, launched, load_components, managers, start_node
 from kg.launch.files.ros2.parameters import given_parameter, without_others
-from kg.launch.files.ros2.simulated import managers
 from kg.launch.files.ros2.substitute import described, holds, perform
 from kg.launch.wiring.similar_names import alike, alike_when_short
 from kg.lazily import lazily

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from lxml import etree
 
-from kg.errors import RobotError
+from kg.errors import Place, RobotError
 from kg.robot.programs import tree
 from kg.robot.programs.check import kinds_of, refuse_errors
 from kg.robot.programs.kinds import constant
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from lxml.etree import _Element
 
-    from kg.errors import Place
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 HINT: Final = "_kg"

@@ -4,30 +4,20 @@ A shape with a path speaks of the values of that path: that all conform is that 
 
 A constraint on single values is a filter on a term (sections 4.1 to 4.4 and 4.8), one on all values of a path together
 compares them: pairs of properties, closed shapes (SHACL, sections 4.4, 4.5, 4.8).
+
+A condition over the values of a path is a filter with EXISTS. Its negation needs no more than that: that no value has
+one of several cases is one NOT EXISTS for each of them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.rules.notations.shacl.expressions import Expressions
-from kg.rules.notations.shacl.logic import (
-    FALSE,
-    MAX_CASES,
-    TRUE,
-    Cases,
-    check,
-    every,
-    exists,
-    for_all,
-    matched,
-    none,
-    some,
-)
 from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
 from kg.rules.notations.shacl.query import PREBOUND, check_prebound, query_of, rename, spell, variables
 from kg.rules.notations.shacl.targets import INSTANCE
@@ -36,11 +26,78 @@ from kg.syntax.functions import AGGREGATES
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.functions import Functions
     from kg.rules.notations.shacl.graph import ShapesGraph
+
+Cases: TypeAlias = list[list[str]]
+"""Alternatives; each is a list of elements of a SPARQL group, in no order."""
+
+MAX_CASES: Final = 256
+
+TRUE: Final[Cases] = [[]]
+FALSE: Final[Cases] = []
+
+
+def every(parts: Iterable[Cases]) -> Cases:
+    """Return that all hold; `OverflowError` when that has more than `MAX_CASES` alternatives."""
+    result = TRUE
+    for part in parts:
+        if len(result) * len(part) > MAX_CASES:
+            raise OverflowError
+        result = [[*left, *(one for one in right if one not in left)] for left, right in product(result, part)]
+    return result
+
+
+def some(parts: Iterable[Cases]) -> Cases:
+    """Return that one holds at least."""
+    result: Cases = []
+    for part in parts:
+        if [] in part:
+            return TRUE
+        result += [case for case in part if case not in result]
+    return result
+
+
+def exists(pattern: str, cases: Cases) -> Cases:
+    """Return that the pattern has a solution in which one of the cases holds."""
+    return [[f"FILTER EXISTS {{ {group(pattern, case)} }}"] for case in cases]
+
+
+def none(pattern: str, cases: Cases) -> Cases:
+    """Return that the pattern has no solution in which one of the cases holds."""
+    return [[f"FILTER NOT EXISTS {{ {group(pattern, case)} }}" for case in cases]]
+
+
+def matched(pattern: str, *, wanted: bool) -> Cases:
+    """Return that the pattern has a solution, or that it has none."""
+    return (exists if wanted else none)(pattern, TRUE)
+
+
+def for_all(values: Iterable[Branch], each: Callable[[str, bool], Cases], *, wanted: bool) -> Cases:
+    """Return that all values pass a test, or that one does not; `each` tells of a term whether it does, or does not."""
+    parts = []
+    for branch in values:
+        if branch.pattern:
+            parts.append((none if wanted else exists)(branch.pattern, each(branch.term, False)))
+        else:
+            parts.append(each(branch.term, wanted))
+    return every(parts) if wanted else some(parts)
+
+
+def group(pattern: str, case: list[str]) -> str:
+    """Return what is between the braces of a group with a pattern and filters."""
+    return " ".join(part for part in (pattern, *case) if part)
+
+
+def check(expression: str, *, wanted: bool, safe: bool = False) -> Cases:
+    """Return that an expression is true, or that it is not; `safe`: it is never in error."""
+    if wanted:
+        return [[f"FILTER({expression})"]]
+    return [[f"FILTER(!({expression}))" if safe else f"FILTER(!COALESCE({expression}, false))"]]
+
 
 _FEW: Final = 4
 """Up to here, different values are written out; more are counted by a sub-SELECT."""

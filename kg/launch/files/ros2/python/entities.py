@@ -12,7 +12,7 @@ from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchProblemKind
+from kg.facts import LaunchProblemKind, Location
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import (
@@ -63,7 +63,6 @@ from kg.symbolic.values import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.facts import Location
     from kg.launch.files.ros2.python.reading import Reading
 
 _MAX_DEPTH: Final = 20

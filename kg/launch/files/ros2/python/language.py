@@ -20,7 +20,7 @@ from kg.launch.files.ros2.context import HOLE
 from kg.launch.files.ros2.python import library
 from kg.launch.files.ros2.python.values import Instance, later, launch_text, reason_of, text_of
 from kg.symbolic.operators import NULL, plain
-from kg.symbolic.state import Arguments
+from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     Bound,
     Closure,
@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.python.reading import Reading
     from kg.symbolic import form
     from kg.symbolic.form import Expression
-    from kg.symbolic.state import Frame
 
 _REMEMBERED = 256
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from kg.rules.files import RuleFile
     from kg.rules.form import Rule
 
-ROOT: Final = Path(__file__).parents[3]
+ROOT: Final = Path(__file__).parents[2]
 CASES: Final = [(path, "case/rule") for path in sorted((ROOT / "tests/rules/decompose/cases").glob("*.rq"))]
 SHIPPED: Final = list(
     rule_files(ROOT / "rules", ("owl", "owl-rl", "capability", "communication", "copies", "function"))
