@@ -44,9 +44,14 @@ def included(source: bytes) -> dict[str, int]:
 
 def words_of(code: str) -> frozenset[str]:
     """Return the identifiers in some code, and `GIVES_NODE` if it creates an object that gets a node or a handle."""
-    code = _COMMENT.sub(lambda match: match[1] or " ", code)
+    code = _without_comments(code)
     words = frozenset(_WORD.findall(code))
     return words | {GIVES_NODE} if _GIVING.search(code) else words
+
+
+def _without_comments(code: str) -> str:
+    """Return some code with a space for each comment."""
+    return _COMMENT.sub(lambda match: match[1] or " ", code) if "/" in code else code
 
 
 def assigned_in(code: str) -> frozenset[str]:
@@ -377,8 +382,7 @@ class CppUnit(Unit):
     def _macro(self, node: Node, parameters: _Scope | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")
         if name is not None and value is not None:
-            joined = CONTINUED.sub(" ", syntax.text(value))
-            text = _COMMENT.sub(lambda match: match[1] or " ", joined).strip() if "/" in joined else joined.strip()
+            text = _without_comments(CONTINUED.sub(" ", syntax.text(value))).strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
             if parameters is None and _QUALIFIER.fullmatch(text):
