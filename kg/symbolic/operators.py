@@ -326,8 +326,12 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         return Unknown("it depends")
     if isinstance(value, Truth):
         return value if value.parameter is None else Guard((value.parameter,))
-    if isinstance(value, (Guard, Unknown)):
-        return Truth(False) if isinstance(value, Unknown) and value.reason == NULL.reason else value
+    if isinstance(value, Guard):
+        return value
+    if isinstance(value, Unknown):
+        if value.parameter is not None and _is_whole(value, value.parameter):
+            return Guard((value.parameter,))
+        return Truth(False) if value.reason == NULL.reason else value
     if isinstance(value, Number):
         return Truth(value.value != 0) if value.parameter is None else Unknown("it depends")
     if isinstance(value, Object):
