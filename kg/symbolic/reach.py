@@ -51,36 +51,42 @@ class Reach:
     def __init__(self, descriptions: Descriptions, program: Program) -> None:
         self._effects = descriptions.effects
         self._program = program
-        self._reaching: dict[int, bool] = {}
+        self._leading: dict[int, bool] = {}
         self._changed: dict[int, frozenset[str]] = {}
         self._revision = 0
 
     def reaches(self, function: Function) -> bool:
-        """Check whether a run of a function can have an effect."""
+        """Check whether a run of a function can have an effect; its own template parameters can stand for any class.
+
+        Those of the code that it calls are bound on the way: what they stand for is among the words of other code.
+        """
+        return not _unbound(function).isdisjoint(self._program.words(function) or ()) or self._leads(function)
+
+    def _leads(self, function: Function) -> bool:
+        """Check whether the code of a function contains a call with an effect, or leads to one."""
         self._forget()
-        cached = self._reaching.get(id(function))
+        cached = self._leading.get(id(function))
         if cached is not None:
             return cached
         seen = {id(function)}
         looked = set[str]()
         pending: list[Code] = [function]
         while pending:
-            code = pending.pop()
-            words = self._program.words(code)
-            if words is None or self._has_effect(words) or not words.isdisjoint(_unbound(code)):
-                self._reaching[id(function)] = True
+            words = self._program.words(pending.pop())
+            if words is None or self._has_effect(words):
+                self._leading[id(function)] = True
                 return True
             words -= looked
             looked |= words
             for called in self._program.definitions(words):
                 key = id(called)
-                if self._reaching.get(key):
-                    self._reaching[id(function)] = True
+                if self._leading.get(key):
+                    self._leading[id(function)] = True
                     return True
-                if key not in seen and key not in self._reaching:
+                if key not in seen and key not in self._leading:
                     seen.add(key)
                     pending.append(called)
-        self._reaching.update(dict.fromkeys(seen, False))
+        self._leading.update(dict.fromkeys(seen, False))
         return False
 
     def changes(self, function: Function) -> frozenset[str]:
@@ -114,7 +120,7 @@ class Reach:
         """Forget what may be otherwise now that the program has more code."""
         if self._program.revision != self._revision:
             self._revision = self._program.revision
-            self._reaching = {key: reaching for key, reaching in self._reaching.items() if reaching}
+            self._leading = {key: leads for key, leads in self._leading.items() if leads}
             self._changed.clear()
 
     def _has_effect(self, words: frozenset[str]) -> bool:
@@ -129,7 +135,6 @@ class Reach:
         return any(map(is_managed, words))
 
 
-def _unbound(code: Code) -> tuple[str, ...]:
-    """Return the template parameters in some code, which can stand for any class."""
-    owner = getattr(code, "owner", None)
-    return code.template if owner is None else code.template + owner.template
+def _unbound(function: Function) -> frozenset[str]:
+    """Return the template parameters of a function and of its class."""
+    return frozenset(function.template + (function.owner.template if function.owner is not None else ()))

@@ -89,11 +89,16 @@ def reach(program: Toy) -> Reach:
         ("setup", True),
         ("compute", False),
         ("again", False),
+        ("T value", True),
+        ("generic", False),
     ],
 )
 def test_a_function_reaches_an_effect_by_its_words(code: str, *, expected: bool) -> None:
-    """A described call counts with the words that its description needs, in the function or in one that it names."""
-    program = Toy(run=code, setup="helper", helper="advertise", compute="sum", again="run again")
+    """A described call counts with the words that its description needs, in the function or in one that it names.
+
+    Only its own template parameters, such as T, can stand for any class.
+    """
+    program = Toy(run=code, setup="helper", helper="advertise", compute="sum", again="run again", generic="T value")
     assert reach(program).reaches(program.made["run"]) is expected
 
 
