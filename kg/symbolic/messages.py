@@ -119,7 +119,7 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if what == "options":
         kind = option(argument, "type")
         return kind.exact if isinstance(kind, Text) else None
-    return type_name(argument.kind)
+    return _service_name(argument.kind) if effect.ros == 1 and effect.role in _OF_SERVICES else type_name(argument.kind)
 
 
 def option(options: Object, what: str) -> Value | None:

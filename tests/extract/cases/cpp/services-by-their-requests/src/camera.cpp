@@ -11,6 +11,9 @@ Camera::Camera(ros::NodeHandle & handle)
   power_ = handle.advertiseService<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse>(
     "power", [](std_srvs::SetBoolRequest & request, std_srvs::SetBoolResponse & response) { return true; });
   member_ = handle.advertiseService("member", &Camera::member, this);
+  GetNumberRequest request;
+  GetNumberResponse response;
+  ros::service::call("called", request, response);
   members_ = handle.serviceClient<NumberRequest>("members");
 }
 
