@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 _ROS2: Final = 2
 _PARENT: Final = f"{{{PARENT}}}/"
 _HOLDS: Final = f" {HOLDS}"
+_NUMBERS: Final = {"int", "double"}
 _OF_NODE: Final = "the name or namespace of the node is part of it"
 
 
@@ -48,6 +49,7 @@ def facts_of(
     """
     interfaces: dict[tuple[object, ...], Interface] = {}
     parameters: dict[tuple[object, ...], Parameter] = {}
+    several: set[tuple[object, ...]] = set()
     for one in declared:
         if one.effect.role is not None:
             interface = _interface(one, one.effect.role, home, ros, alone)
@@ -70,8 +72,11 @@ def facts_of(
             first = parameters.get(key)
             if first is None:
                 parameters[key] = parameter
+            elif _of_another_type(parameter, first):
+                several.add(key)
             elif _worth(parameter) > _worth(first):  # the place stays that of the first access
                 parameters[key] = replace(parameter, location=first.location, via=first.via)
+    parameters.update((key, replace(parameters[key], type=None)) for key in several)
     typed = {(i.node, i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
     names: dict[tuple[object, ...], set[str | None]] = {}
     for found in interfaces.values():
@@ -109,6 +114,13 @@ def _covered(name: str | None, names: set[str | None]) -> bool:
     if name.startswith(_PARENT):
         return name.removeprefix(_PARENT).startswith(_PARENT) and name.removeprefix(_PARENT) in names
     return _PARENT + name in names
+
+
+def _of_another_type(parameter: Parameter, first: Parameter) -> bool:
+    """Whether two reads take values of types of which no value has both, so that the node takes either."""
+    if parameter.default is not None or first.default is not None or None in (parameter.type, first.type):
+        return False
+    return parameter.access is Access.READ and parameter.type != first.type and {parameter.type, first.type} != _NUMBERS
 
 
 def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:

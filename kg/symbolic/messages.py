@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
 
 _SUFFIXES: Final = POINTER_ALIASES | {"Request", "Response", "RequestPtr", "ResponsePtr"}
+_PARTS: Final = ("Request", "Response")
+"""Suffixes of the classes of the parts of a service, which are also names of classes within its own."""
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
 GENERATED: Final = frozenset({"msg", "srv", "action"})
@@ -25,6 +27,7 @@ _FUNCTION: Final = ("()",)
 """The name of the type of a function, whose arguments are the types of its parameters."""
 _FIELDS: Final = {"name": ("topic", "service"), "type": ("datatype",)}
 """Members of the options of an interface in roscpp."""
+_OF_SERVICES: Final = frozenset({Role.SERVICES, Role.CLIENTS})
 _SENT: Final[dict[tuple[str, ...], str]] = {
     ("pcl", "PointCloud"): "sensor_msgs/PointCloud2",
     ("cuda_blackboard", "CudaPointCloud2"): "sensor_msgs/PointCloud2",
@@ -52,6 +55,19 @@ def type_name(kind: Kind) -> str | None:
     return result
 
 
+def _service_name(kind: Kind) -> str | None:
+    """Return the service of which a class is the request or the response, as `package/Type`."""
+    kind = pointee(kind)
+    if kind.name in _WRAPPERS and kind.arguments and isinstance(first := kind.arguments[0], TypeValue):
+        return _service_name(first.kind)
+    name = type_name(kind)
+    if name is None or kind.name in _SUFFIXES:
+        return name
+    for suffix in _PARTS:
+        name = name if name.endswith("/" + suffix) else name.removesuffix(suffix)
+    return name
+
+
 def _of_names(names: list[str]) -> str | None:
     parts = [name for name in names if name]
     package, last = parts[:-1], parts[-1:]
@@ -72,9 +88,6 @@ def message_type(language: Language, effect: Effect, call: Invocation) -> str | 
     )
     if name is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
         return name if name.endswith("/Action") else name.removesuffix("Action")
-    if name is not None and effect.role in (Role.SERVICES, Role.CLIENTS) and effect.ros == 1:
-        for suffix in ("Request", "Response"):
-            name = name if name.endswith("/" + suffix) else name.removesuffix(suffix)
     return name
 
 
@@ -86,13 +99,17 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if what in ("template", "receiver"):
         of = call.arguments.template if what == "template" else call.kind.arguments if call.kind is not None else ()
         first = next(iter(of), None)
-        return type_name(language.message(first.kind, frame)) if isinstance(first, TypeValue) else None
+        named = _service_name if effect.ros == 1 and effect.role in _OF_SERVICES and len(of) > 1 else type_name
+        return named(language.message(first.kind, frame)) if isinstance(first, TypeValue) else None
     argument = call.argument(int(index))
     if argument is None:
         return None
     if what == "callback":
-        name = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
-        return name if name is not None else _first_parameter(language, call, int(index))
+        named = _service_name if effect.ros == 1 and effect.role is Role.SERVICES else type_name
+        called = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
+        name = named(called) if called is not None else None
+        stated = _first_parameter(language, call, int(index)) if name is None else None
+        return named(stated) if stated is not None else name
     if what == "text":
         return _of_names(argument.exact.split("/")) if isinstance(argument, Text) and argument.exact else None
     if isinstance(argument, TypeValue):
@@ -102,7 +119,7 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if what == "options":
         kind = option(argument, "type")
         return kind.exact if isinstance(kind, Text) else None
-    return type_name(argument.kind)
+    return _service_name(argument.kind) if effect.ros == 1 and effect.role in _OF_SERVICES else type_name(argument.kind)
 
 
 def option(options: Object, what: str) -> Value | None:
@@ -112,17 +129,17 @@ def option(options: Object, what: str) -> Value | None:
     return next((one for one in assigned if one is not None), options.native.get(f"options {what}"))
 
 
-def _first_parameter(language: Language, call: Invocation, index: int) -> str | None:
+def _first_parameter(language: Language, call: Invocation, index: int) -> Kind | None:
     """Return the message that a variable of the type `function<void(const Message&)>` takes, by its argument."""
     kind = call.declared(index, language)
     signature = kind.arguments[0] if kind is not None and kind.name == "function" and kind.arguments else None
     if not isinstance(signature, TypeValue) or signature.kind.names != _FUNCTION:
         return None
     first = next(iter(signature.kind.arguments), None)
-    return type_name(language.message(first.kind, call.arguments.frame)) if isinstance(first, TypeValue) else None
+    return language.message(first.kind, call.arguments.frame) if isinstance(first, TypeValue) else None
 
 
-def _callback_type(language: Language, callback: Value, usual: int) -> str | None:
+def _callback_type(language: Language, callback: Value, usual: int) -> Kind | None:
     """Return the type of the first parameter of a callback; of overloads, of that with about `usual` parameters."""
     for one in alternatives(callback):
         callee = _callee(language, one, usual)
@@ -132,7 +149,7 @@ def _callback_type(language: Language, callback: Value, usual: int) -> str | Non
         kind = function.parameters[skip].type if len(function.parameters) > skip else None
         message = language.kind_of(kind, frame) if kind is not None else None
         if message is not None:
-            return type_name(language.message(message, frame))
+            return language.message(message, frame)
     return None
 
 

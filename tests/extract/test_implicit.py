@@ -58,6 +58,16 @@ def test_what_the_mark_does_not_tell_is_left_out() -> None:
     assert names(found, Role.PUBLISHES) == {"/rosout", "/parameter_events"}
 
 
+def test_the_service_of_a_camera_has_the_name_of_the_release() -> None:
+    """Until Humble, a camera of ROS 2 is calibrated beside the node, then below it, by a service of two conditions."""
+    found = add(Extracted(node(2), (Mark("camera_info_manager", HERE),)))
+    origins = {one.name: one.origin for one in found.interfaces if one.type == "sensor_msgs/SetCameraInfo"}
+    assert {name: "Humble or earlier" in str(origin) for name, origin in origins.items()} == {
+        "set_camera_info": True,
+        "~/set_camera_info": False,
+    }
+
+
 def test_a_condition_stands_in_the_origin() -> None:
     """A conditional interface has its condition."""
     clocks = [i for i in add(Extracted(node(2))).interfaces if i.name == "/clock"]

@@ -83,6 +83,8 @@ def _range(values: list[Value]) -> Value:
     if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
         return _COMPUTED
     numbers = range(*bounds)
+    if not numbers and any(isinstance(value, Number) and value.parameter is not None for value in values):
+        return _COMPUTED
     return Sequence(tuple(map(number, numbers))) if not numbers[_MOST_ITEMS:] else Unknown("a range is too long")
 
 

@@ -10,8 +10,15 @@ Camera::Camera(ros::NodeHandle & handle)
     "gain", [](GetNumberRequest & request, GetNumberResponse & response) { return true; });
   power_ = handle.advertiseService<std_srvs::SetBoolRequest, std_srvs::SetBoolResponse>(
     "power", [](std_srvs::SetBoolRequest & request, std_srvs::SetBoolResponse & response) { return true; });
+  member_ = handle.advertiseService("member", &Camera::member, this);
+  GetNumberRequest request;
+  GetNumberResponse response;
+  ros::service::call("called", request, response);
+  members_ = handle.serviceClient<NumberRequest>("members");
 }
 
 bool Camera::exposure(GetNumberRequest & request, GetNumberResponse & response) { return true; }
+
+bool Camera::member(NumberRequest::Request & request, NumberRequest::Response & response) { return true; }
 
 }  // namespace my_camera

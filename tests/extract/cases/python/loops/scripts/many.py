@@ -21,6 +21,7 @@ if __name__ == "__main__":
             rospy.Subscriber("%s/%s" % (side, part), kind, ignore)
     for index in range(2):
         rospy.Publisher(f"wheel_{index}", Twist, queue_size=1)
+    spare = [rospy.Publisher("spare_{}".format(index), Pose, queue_size=1) for index in range(rospy.get_param("~spares", 0))]
     for index, name in enumerate(SIDES, 1):
         rospy.Publisher("{}{}".format(name, index), Pose, queue_size=1)
     for name, kind in zip(["a", "b"], [Pose, Twist]):

@@ -14,7 +14,10 @@ public:
 private:
   bool exposure(GetNumberRequest & request, GetNumberResponse & response);
 
-  ros::ServiceServer exposure_, gain_, power_;
+  bool member(NumberRequest::Request & request, NumberRequest::Response & response);
+
+  ros::ServiceServer exposure_, gain_, power_, member_;
+  ros::ServiceClient members_;
 };
 
 }  // namespace my_camera

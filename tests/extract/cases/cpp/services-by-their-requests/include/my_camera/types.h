@@ -1,2 +1,3 @@
 #pragma once
 #include <my_camera/GetNumber.h>
+#include <my_camera/NumberRequest.h>
