@@ -59,7 +59,7 @@ def test_nothing_found_is_said(rover: Program) -> None:
     """An empty result is not an error; the exit code reports it to scripts."""
     run = rover("search", "zygomorphic")
     assert run.code == 1
-    assert "no results; try fewer words" in run.err
+    assert "no results. Try fewer words" in run.err
 
 
 def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:

@@ -88,7 +88,7 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"no results; {near(words, index) or 'try fewer words or filters'}")
+        note(f"no results. {near(words, index) or 'Try fewer words or filters.'}")
         raise typer.Exit(Exit.FOUND)
 
 
