@@ -8,7 +8,10 @@ import pytest
 from cli.rover import build
 from cli.test_terminal import on_terminal
 
+from kg.cli.commands.search import row
 from kg.cli.completion import features
+from kg.search.documents import Document, PackageDocument
+from kg.search.searching import Hit
 
 if TYPE_CHECKING:
     from cli.program import Program
@@ -53,6 +56,13 @@ def test_hits_are_json_lines(rover: Program) -> None:
     hits = [json.loads(line) for line in run.out.splitlines()]
     assert [hit["rank"] for hit in hits] == list(range(1, len(hits) + 1))
     assert rover("node", f"{hits[0]['package']}/{hits[0]['name']}").code == 0
+
+
+def test_a_component_has_the_name_of_its_node() -> None:
+    """Hits are named as in `kg nodes`, so that other commands accept the name: a component too, not by its class."""
+    node = Document("https://example.org/1", "camera", "component", 0, 2, "camera.cpp", 7, plugin="driver::CameraNode")
+    hit = Hit(1, 1.0, node, PackageDocument("https://example.org/2", "local/ws", "driver"), (), ())
+    assert row(hit)[3] == "camera"
 
 
 def test_nothing_found_is_said(rover: Program) -> None:
