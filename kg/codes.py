@@ -12,7 +12,7 @@ from typing import Final
 
 from kg import resources
 
-__all__ = ["CATALOGUE", "PAGE", "SEVERITIES", "CodeEntry"]
+__all__ = ["CATALOGUE", "LINT_CODES", "PAGE", "SEVERITIES", "CodeEntry"]
 
 SEVERITIES: Final = ("error", "warning", "note")
 """Severities of remarks by `kg lint`, `kg rules check` and headers of rules, from most to least severe."""
@@ -33,3 +33,6 @@ class CodeEntry:
 
 CATALOGUE: Final = {code: CodeEntry(*texts) for code, *texts in _ENTRY.findall(PAGE.read_text("utf-8"))}
 """Entries by code, in ascending order."""
+
+LINT_CODES: Final = frozenset(code for code in CATALOGUE if code.startswith("KG4"))
+"""Codes of findings, and of errors in the inputs of `kg lint`."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import sys
 from collections import UserDict
 from collections.abc import Callable, Mapping, Sequence
@@ -26,6 +27,8 @@ from kg.cli.supervising import MemoryLimitError, is_out_of_memory
 from kg.errors import Exit, KgError, StoreError, UsageError
 from kg.similar import did_you_mean, suggest
 
+_EXTRA: Final = re.compile(r"^Got unexpected extra argument\(s\) \((\S+).*\)$")
+
 
 def as_usage_error(error: TyperException) -> UsageError:
     """Return KG003 for an error of typer about the arguments."""
@@ -34,7 +37,7 @@ def as_usage_error(error: TyperException) -> UsageError:
     message = error.message if hasattr(error, "option_name") else error.format_message()
     near = getattr(error, "possibilities", None)
     hint = did_you_mean(getattr(error, "option_name", ""), near) if near else None
-    sentence = " ".join(message.split()).rstrip(".")
+    sentence = _EXTRA.sub(r"unexpected argument `\1`", " ".join(message.split()).rstrip("."))
     lowered = sentence[:1].lower() + sentence[1:]
     return UsageError("KG003", lowered, hint="\n".join(filter(None, (hint, see))))
 

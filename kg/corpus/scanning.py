@@ -50,6 +50,8 @@ class _Walk:
     problems: list[Problem] = field(default_factory=list)
     links: list[tuple[str, str]] = field(default_factory=list)
     nested: list[str] = field(default_factory=list)
+    excluded: list[tuple[str, str]] = field(default_factory=list)
+    """Folders that may have packages, each with the marker file that excludes it."""
 
     def problem(self, path: str, message: str, code: str = "KG110") -> None:
         """Record that something at `path` was not read."""
@@ -113,8 +115,9 @@ def _list_folder(walk: _Walk, folder: str, owner: _Folder, entries: list[os.DirE
     base = folder.rpartition("/")[2]
     if not top and "pyvenv.cfg" in names:
         return
-    if not top and names & _IGNORE_MARKERS:
+    if not top and (markers := names & _IGNORE_MARKERS):
         owner = replace(owner, marked=True)
+        walk.excluded.append((folder, min(markers)))
     if not top and ".git" in names:
         walk.nested.append(folder)
         return
@@ -244,6 +247,8 @@ def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:
     files = walk.loose.files
     if walk.nested and not files:
         return ()
+    for folder, marker in walk.excluded:
+        walk.problem(folder, f"{marker} excludes this folder; to read it, name it as a source", "KG102")
     if not any(entry.kind in _CODE for entry in files):
         walk.problem(".", "found no package.xml and no code", "KG102")
         return ()

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.codes import CATALOGUE
+from kg.codes import LINT_CODES
 from kg.errors import Place, UsageError
 from kg.lint.lines import Lines
 from kg.similar import did_you_mean
@@ -77,7 +77,7 @@ def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
             "`allow` of [lint] must be a list of tables", Place(str(table.file)), f"Write {_HEAD} for each."
         )
     places += [Place(str(table.file))] * (len(entries) - len(places))
-    codes = {*known, *(code for code in CATALOGUE if code.startswith("KG4"))}
+    codes = {*known, *LINT_CODES}
     judged = [_allowance(entry, place, codes, lines) for entry, place in zip(entries, places, strict=False)]
     wrong = [fault for one in judged if not isinstance(one, Allowance) for fault in one]
     if wrong:

@@ -12,6 +12,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.codes import LINT_CODES
 from kg.errors import StoreError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.reading.systems import SystemName, included, system_names
@@ -23,6 +24,7 @@ from kg.lint.reading import read_findings
 from kg.lint.report import Choice, Report, report
 from kg.pipeline.launch_names import find, shared_names
 from kg.settings import Settings, table
+from kg.similar import unknown
 from kg.store.layout import user_cache
 from kg.store.opening import existing, reading, writable
 
@@ -101,6 +103,7 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
     Raises:
         SourceError: KG101 with arguments, and the source has moved since the build.
         StoreError: KG301 no store, KG302 with arguments, while another process is writing.
+        UnknownNameError: KG001 a code that no finding can have.
         UsageError: KG002 and KG421 for kg.toml, KG420 for the baseline, KG422 and KG003 for the launch file.
     """
     if not question.variants and not question.arguments and not question.environment:
@@ -144,6 +147,7 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     iris = Iris(settings.base)
     labels = {iris.configuration(one.repository, one.path): text for one, text in own.items()}
     findings = read_findings(graph, settings.base, labels=labels)
+    _require_codes(question.codes, {one.code for one in findings})
     chosen = _systems(question, names, roots, own)
     choice = Choice(chosen, frozenset(question.codes), question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
@@ -152,6 +156,14 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     inner = included(graph, labels)
     reported = report(findings, choice, included=inner, entries=entries, comments=comments, baseline=baseline)
     return Checked(reported, states, len(names) if chosen is None else len(chosen))
+
+
+def _require_codes(codes: Iterable[str], there: set[str]) -> None:
+    """Raise `UnknownNameError` (KG001) for a code of kg that no finding can have; own rules choose their codes."""
+    known = there | LINT_CODES
+    for code in codes:
+        if code.startswith("KG") and code not in known:
+            raise unknown("code", code, known, otherwise="`kg explain` lists the codes.")
 
 
 def _systems(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kg.corpus.sources import ListedSource, fetch_source, is_address, parse_source, read_list
 from kg.corpus.workspace import Source, scan_tree
-from kg.errors import Place, SourceError
+from kg.errors import Place, SourceError, choices
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -73,7 +73,9 @@ def gather(
                 _add(sources, source)
     if not any(source.packages for source in sources.values()):
         places = ", ".join(str(source.root) for source in sources.values())
-        raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'the named folders'}")
+        message = f"found no ROS package in {places or ', '.join(texts) or 'the named folders'}"
+        excluded = [one for source in sources.values() for one in source.problems if one.path != "."]
+        raise SourceError("KG102", message, hint=choices([f"{one.path}: {one.message}." for one in excluded]) or None)
     for source in sources.values():
         report.source(source.repository, len(source.packages), source.problems)
     return tuple(sources.values())

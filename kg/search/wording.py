@@ -18,8 +18,13 @@ if TYPE_CHECKING:
 
 NEAREST: Final = "nothing here fits; nearest are"
 
-_VERBS: Final = {"services": "offers", "clients": "calls"}
-"""Verbs for kinds of wishes whose name is not one."""
+_ENDS: Final = {
+    "publishes": "publisher of",
+    "subscribes": "subscriber of",
+    "services": "server of",
+    "clients": "client of",
+}
+"""Nouns for kinds of wishes that are roles."""
 _LABELLED: Final = {"hardware", "function", "capability"}
 _LONGEST_NAME: Final = 80
 
@@ -56,7 +61,7 @@ def _wish_words(wish: Wish) -> str:
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":
         return f"ROS {label}"
-    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.wording}"
+    return f"{_ENDS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.wording}"
 
 
 QUESTIONS: Final = {

@@ -181,15 +181,14 @@ def find(start: Path) -> Layout:
     """Return the store of the folder `start` or of the nearest folder above it.
 
     Raises:
-        StoreError: KG301 with the searched folders.
+        StoreError: KG301 if there is none.
     """
     start = start.absolute()
-    searched = [start, *start.parents]
-    for folder in searched:
+    for folder in (start, *start.parents):
         if (folder / FOLDER).is_dir():
             return Layout(folder / FOLDER)
-    folders = ", ".join(str(folder) for folder in searched)
-    raise StoreError("KG301", f"no {FOLDER} folder in {folders}", hint="Run `kg build FOLDER` or `kg demo` first.")
+    message = f"no {FOLDER} folder in {start} or the folders above it"
+    raise StoreError("KG301", message, hint="Run `kg build FOLDER` or `kg demo` first.")
 
 
 def create(root: Path) -> Layout:

@@ -105,7 +105,7 @@ def _is_alive(holder: dict[str, Any] | None) -> bool:
 
 def _busy(layout: Layout) -> StoreError:
     if (holder := _holder(layout)) is not None:
-        message = f"process {holder['pid']} (`{holder['command']}`) has been writing it since {holder['since']}"
+        message = f"process {holder['pid']} (`{holder['command']}`) has been writing the store since {holder['since']}"
         hint = f"Wait for it, or end it with `kill {holder['pid']}`."
     else:
         message, hint = "another process is just beginning or ending to write it", "Try again."
@@ -121,10 +121,11 @@ def hold_generation(layout: Layout) -> tuple[int, int]:
     while True:
         number = layout.current()
         if number is None:
-            hint = "Run `kg build FOLDER` or `kg demo` first."
-            raise StoreError(
-                "KG301", "nothing has been built in this store yet", place=Place(str(layout.root)), hint=hint
-            )
+            message, hint = "nothing has been built in this store yet", "Run `kg build FOLDER` or `kg demo` first."
+            holder = _holder(layout)
+            if holder is not None and busy(layout):
+                hint = f"Wait for process {holder['pid']} (`{holder['command']}`), which is building it."
+            raise StoreError("KG301", message, place=Place(str(layout.root)), hint=hint)
         folder = layout.generation(number)
         handle = _hold(folder)
         if handle is not None:

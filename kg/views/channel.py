@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
+from kg.facts import Resolution
 from kg.graph.iris import Iris
 from kg.graph.reading.channels import (
     channels_called,
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _KINDS: Final = ("topic", "service", "action")
+_DOUBTED: Final = frozenset({Resolution.PARAMETER_DEFAULT})
+"""Resolutions whose reason tells when the name is another one."""
 _SIDES: Final = 2
 """How many roles a topic, service or action has."""
 
@@ -200,7 +203,7 @@ class _Endpoints:
                     row = {
                         **end_object(end),
                         **self._common(end.declared, end.owner),
-                        "quality": quality(end.switches, end.qos),
+                        "quality": quality(end.switches, end.qos, end.reason if end.resolution in _DOUBTED else None),
                         "instance": instance.name,
                         **self._type(instance, end.owner),
                         "condition": instance.started.condition,

@@ -29,7 +29,7 @@ def named_node(text: str) -> NamedNode:
     try:
         return NamedNode(PREFIXES[prefix] + local if prefix in PREFIXES and not local.startswith("//") else inner)
     except ValueError:
-        hint = "Give it whole, `https://...`, or with a prefix that is known here, `rnkg:feeds`."
+        hint = "Write the whole IRI, or begin with a known prefix such as rnkg:."
         raise UsageError("KG003", f"`{text}` is not an IRI", hint=hint) from None
 
 

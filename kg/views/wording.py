@@ -30,9 +30,9 @@ def how(fact: Interface) -> str:
     return ", ".join(word for word in words if word)
 
 
-def quality(switches: Iterable[str], qos: Qos | None) -> str:
-    """Return the condition under which an end exists, and its quality of service."""
-    return ", ".join(filter(None, (condition(switches), str(qos or ""))))
+def quality(switches: Iterable[str], qos: Qos | None, doubt: str | None = None) -> str:
+    """Return the conditions under which an end exists and has its name, and its quality of service."""
+    return ", ".join(filter(None, (condition(switches), doubt, str(qos or ""))))
 
 
 def how_loaded(fact: PluginSlot) -> str:

@@ -47,6 +47,11 @@ def test_a_typing_error_gets_a_suggestion(kg: Program, arguments: list[str], sug
     assert "--help`" in run.err
 
 
+def test_an_argument_too_many_is_named(kg: Program) -> None:
+    """The error names the first superfluous argument."""
+    assert "error[KG003]: unexpected argument `nav2_amcl`\n" in kg("files", "nav2_amcl", "more").err
+
+
 def test_commands_are_found_by_what_other_programs_call_them(kg: Program) -> None:
     """Common names of other programs' commands suggest the existing equivalent, although their spelling differs."""
     assert "Did you mean `build`?" in kg("scan", ".").err

@@ -154,6 +154,13 @@ def test_what_cannot_be_built_ends_with_its_code(kg: Program, arguments: list[st
     assert "\nhelp: " in run.err
 
 
+def test_packages_behind_a_marker_are_named(kg: Program) -> None:
+    """If markers exclude all packages, the advice names the folders."""
+    (kg.folder / "src" / "arm").mkdir(parents=True)
+    (kg.folder / "src" / "arm" / "COLCON_IGNORE").touch()
+    assert "\nhelp: arm: COLCON_IGNORE excludes this folder;" in kg("build", "src").err
+
+
 def test_status_tells_a_source_that_is_gone(built: Program) -> None:
     """A built source that no longer exists is reported as missing."""
     shutil.rmtree(built.folder / "ws")

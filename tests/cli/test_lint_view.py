@@ -80,6 +80,19 @@ def test_the_sum_counts_by_severity() -> None:
     ]
 
 
+def test_the_sum_counts_the_groups_if_several_findings_share_one() -> None:
+    """Findings of one kind at one line are shown together, so the sum has the number of groups as well."""
+    place = Evidence("a.launch", 3, "local/nav")
+    alike = [finding(place=place, subjects=(name,)) for name in ("/a", "/b")]
+    first, *_ = summary(Checked(Report((*alike, finding(severity="error"))), (), 3))
+    assert first == "3 systems checked: 1 error, 2 warnings in 2 groups"
+
+
+def test_a_check_without_launch_files_is_no_success() -> None:
+    """Where no launch file was found, the sum says so instead of `nothing wrong`."""
+    assert list(summary(Checked(Report(), (), 0))) == ["0 systems checked: no launch files found"]
+
+
 def test_codes_that_were_found_more_than_once_are_named_at_the_end() -> None:
     """The help of a code is shown at its first finding only; codes of user rules have none."""
     found = Report((finding(), finding(subjects=("/b",)), finding(code="X1"), finding(code="X1", subjects=("/b",))))

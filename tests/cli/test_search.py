@@ -8,7 +8,10 @@ import pytest
 from cli.rover import build
 from cli.test_terminal import on_terminal
 
+from kg.cli.commands.search import row
 from kg.cli.completion import features
+from kg.search.documents import Document, PackageDocument
+from kg.search.searching import Hit
 
 if TYPE_CHECKING:
     from cli.program import Program
@@ -55,11 +58,18 @@ def test_hits_are_json_lines(rover: Program) -> None:
     assert rover("node", f"{hits[0]['package']}/{hits[0]['name']}").code == 0
 
 
+def test_a_component_has_the_name_of_its_node() -> None:
+    """Hits are named as in `kg nodes`, so that other commands accept the name: a component too, not by its class."""
+    node = Document("https://example.org/1", "camera", "component", 0, 2, "camera.cpp", 7, plugin="driver::CameraNode")
+    hit = Hit(1, 1.0, node, PackageDocument("https://example.org/2", "local/ws", "driver"), (), ())
+    assert row(hit)[3] == "camera"
+
+
 def test_nothing_found_is_said(rover: Program) -> None:
     """An empty result is not an error; the exit code reports it to scripts."""
     run = rover("search", "zygomorphic")
     assert run.code == 1
-    assert "no results; try fewer words" in run.err
+    assert "no results. Try fewer words" in run.err
 
 
 def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:

@@ -92,6 +92,15 @@ def test_ignore_markers(tmp_path: Path, marker: str) -> None:
     assert [found.name for found in scan(tmp_path).packages] == ["kept"]
 
 
+def test_ignore_markers_that_leave_no_package(tmp_path: Path) -> None:
+    """Where no package is left, the excluded folders are problems, each with its marker."""
+    package(tmp_path, "arms/driver")
+    (tmp_path / "arms" / "CATKIN_IGNORE").touch()
+    assert [(one.path, one.message.split()[0]) for one in scan(tmp_path).problems if one.path != "."] == [
+        ("arms", "CATKIN_IGNORE")
+    ]
+
+
 def test_ignore_marker_inside_a_package(tmp_path: Path) -> None:
     """Inside a package a marker hides nested packages, but not the files of the package."""
     folder = package(tmp_path, "pkg")

@@ -52,6 +52,14 @@ def test_a_launch_file_that_is_not_there(robot: Path) -> None:
     assert "`bringup/launch/base.launch`" in (caught.value.hint or "")
 
 
+def test_a_code_that_no_finding_can_have(robot: Path) -> None:
+    """A misspelt code is an error, not an empty report; codes of own rules are taken as they are."""
+    with pytest.raises(UnknownNameError, match="KG001: unknown code `KG491`"):
+        codes(robot, Question(codes=("KG491",)))
+    assert codes(robot, Question(codes=("OWN1",))) == []
+    assert codes(robot, Question(codes=("KG401",))) == ["KG401 base.launch"]
+
+
 def test_the_launch_files_of_a_package(robot: Path) -> None:
     """The package may have its source as prefix."""
     assert len(codes(robot, Question(package="bringup"))) == 4

@@ -62,7 +62,7 @@ def test_a_new_rule_must_be_completed(tmp_path: Path, notation: str) -> None:
     """The unchanged output of `kg rules new` has neither a reason nor examples of its own."""
     start("communication/listens-to", tmp_path, notation)
     found = lacking(Library([tmp_path]).read("communication/listens-to"))
-    assert found == ["the header lacks `## Why`", "the examples are those of a new rule"]
+    assert found == ["the header lacks text below `## Why`", "the examples are those of a new rule"]
 
 
 def test_every_example_has_its_rule() -> None:

@@ -30,6 +30,17 @@ def test_busy_tells_who_writes(tmp_path: Path) -> None:
     assert busy(layout) is None
 
 
+def test_readers_are_told_to_wait_for_the_first_build(tmp_path: Path) -> None:
+    """Before the first generation the error names the process that writes it, if there is one."""
+    layout = create(tmp_path / ".kg")
+    with writer(layout, "kg build x"), pytest.raises(StoreError) as caught:
+        hold_generation(layout)
+    assert caught.value.hint == f"Wait for process {os.getpid()} (`kg build x`), which is building it."
+    with pytest.raises(StoreError) as caught:
+        hold_generation(layout)
+    assert caught.value.hint == "Run `kg build FOLDER` or `kg demo` first."
+
+
 def test_a_writer_that_says_nothing_yet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A lock held without a record in it still means a busy store."""
     monkeypatch.setattr(locks, "_PATIENCE", 0.05)

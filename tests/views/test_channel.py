@@ -234,6 +234,18 @@ def test_an_unknown_parameter_file_may_set_a_parameter(tmp_path: Path) -> None:
     assert "file" in unknown["reason"]
 
 
+def test_an_unknown_parameter_file_may_give_another_name(tmp_path: Path) -> None:
+    """An end whose name is a default that an unknown file may replace has this as a condition."""
+    driver = _LIDAR["driver.py"].replace("'tilt'", "node.declare_parameter('tilt_topic', 'tilt').value")
+    launch = "<launch>\n  <node pkg='lidar' exec='driver.py' name='driver'>\n    <param from='$(env SETTINGS)'/>\n"
+    files = {**_LIDAR, "driver.py": driver, "launch/one.launch.xml": f"{launch}  </node>\n</launch>\n"}
+    settings = _built(tmp_path, files)
+    with reading(settings) as snapshot:
+        ends = channel(snapshot, settings, name="/tilt")["endpoints"]
+    (doubted,) = [one["quality"] for one in ends if "one.launch.xml" in one["systems"][0]]
+    assert doubted.startswith("unless an unknown parameter file sets tilt_topic, ")
+
+
 def test_parameters_by_other_names(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """The name may have the node's name as prefix, or be part of one; an unknown one is KG001."""
     logged = parameter(snapshot, settings, name="/trace_logger/rate")

@@ -30,7 +30,7 @@ def test_filters_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     found = find(snapshot, settings, text="", publishes="PointCloud2, LaserScan", hardware=" ")
     assert [hit["node"] for hit in found["hits"]] == ["scan_filter"]
     assert found["filters"] == {"publishes": ["PointCloud2", "LaserScan"]}
-    assert found["only"] == ["publishes PointCloud2", "publishes LaserScan"]
+    assert found["only"] == ["publisher of PointCloud2", "publisher of LaserScan"]
 
 
 def test_what_words_were_taken_for(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

@@ -51,7 +51,7 @@ def endpoint_view(
     qualities = {one["quality"] for one in ends if not one.get("possible")}
     yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
     where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
-    conditional = any(one["switches"] for one in ends)
+    conditional = any(one["switches"] or one["quality"].startswith("unless ") for one in ends)
     same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} and not conditional else ""
     yield Text(f"  {where}; {_fit(channel)}{same}", style="dim")
     if channel["definitions"]:
@@ -125,7 +125,11 @@ def _fit(channel: "Mapping[str, Any]") -> str:
     if len(sides) == 1:
         (role,) = sides
         return NOBODY[channel["kind"], role in {"publishes", "clients", "action_clients"}]
-    fit = "types and QoS fit" if any(one["qos"] for one in sides.values()) else "types fit"
+    with_qos = any(one["qos"] for one in sides.values())
+    if len(channel["types"]) > 1:
+        fit = f"no certain mismatch of {'types or QoS' if with_qos else 'types'}"
+    else:
+        fit = "types and QoS fit" if with_qos else "types fit"
     return fit if sides else "only code has it"
 
 

@@ -195,7 +195,7 @@ def sides(named: "Sequence[str]", repository: str | None) -> "Sides":
         if named
         else "For example: `kg diff main..HEAD`."
     )
-    raise UsageError("KG003", "two commits or two stores are compared", hint=hint)
+    raise UsageError("KG003", "name two commits or two stores to compare", hint=hint)
 
 
 def stores(compared: "Sides", settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":

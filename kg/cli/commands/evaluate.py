@@ -216,7 +216,8 @@ def deliver(table: "Table", *, json: bool, output: str | None) -> None:
 
 def _paths(reference: list[str] | None) -> list[Path]:
     if not reference:
-        raise UsageError("KG003", "no references given", hint="Add --reference FILE for each reference.")
+        hint = "Add --reference FILE for each reference. `kg eval completeness --code` needs none."
+        raise UsageError("KG003", "no references given", hint=hint)
     return [Path(one).expanduser() for one in reference]
 
 

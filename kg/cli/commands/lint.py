@@ -255,12 +255,16 @@ def summary(checked: "Checked") -> "Iterator[str]":
     """Yield the summary: number of findings, and stale entries of the allow-list and the baseline."""
     report = checked.report
     sums = Counter(one.severity for one in report.findings)
-    totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
+    totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
+    groups = {_kind(one) for one in report.findings}
+    if len(groups) < len(report.findings):
+        totals += f" in {count(len(groups), 'group')}"
     aside = [
         f"{len(group):,} {words}"
         for group, words in ((report.allowed, "allowed"), (report.baselined, "in the baseline"))
         if group
     ]
+    totals = totals or ("nothing wrong" if checked.systems else "no launch files found")
     yield f"{count(checked.systems, 'system')} checked: {'; '.join([totals, *aside])}"
     numbers = Counter(one.code for one in report.findings)
     repeated = sorted(code for code, number in numbers.items() if number > 1 and code in CATALOGUE)

@@ -314,15 +314,19 @@ def pairs(given: list[str]) -> dict[str, str]:
 
 def resolve_query(text: str | None, file: Path | None, settings: Settings) -> "StoredQuery":
     """Return the query of the arguments: typed, from a file or standard input, or stored under a name."""
-    if (text is None) == (file is None):
-        raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
+    if text is not None and file is not None:
+        hint = "Remove one of them; `--format` selects the format of the result."
+        raise UsageError("KG003", "QUERY and --file are mutually exclusive", hint=hint)
     if text == "-" or str(file) == "-":
         return _typed(sys.stdin.read().removeprefix("\ufeff"), "standard input")
     if file is not None:
         return read(file, str(file))
+    if text is None:
+        hint = "For example: `kg query topics`. `kg query --list` lists the stored queries."
+        raise UsageError("KG003", "no query given", hint=hint)
     if text and _NAME.fullmatch(text):
         return find(text, settings.queries)
-    return _typed(text or "", "query")
+    return _typed(text, "query")
 
 
 def _typed(text: str, place: str) -> "StoredQuery":

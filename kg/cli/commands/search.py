@@ -88,7 +88,7 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"no results; {near(words, index) or 'try fewer words or filters'}")
+        note(f"no results. {near(words, index) or 'Try fewer words or filters.'}")
         raise typer.Exit(Exit.FOUND)
 
 
@@ -115,7 +115,7 @@ def row(hit: "Hit") -> tuple[object, ...]:
     """Return the cells of a hit: rank, score, package, node, why, also in, file:line."""
     why = "; ".join(str(reason) for reason in hit.why[:_REASONS])
     declared = f"{hit.node.path}:{hit.node.line}"
-    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), declared
+    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.node.name, why, ", ".join(_others(hit)), declared
 
 
 def show_hits(hits: "Iterable[Hit]", links: "Links") -> None:
@@ -125,7 +125,7 @@ def show_hits(hits: "Iterable[Hit]", links: "Links") -> None:
             show("")
         version = hit.node.ros or hit.package.ros
         about = ", ".join([hit.node.kind, *([f"ROS {version}"] if version else []), hit.package.repository])
-        head = f"{hit.rank}. {hit.package.name}/{hit.name}"
+        head = f"{hit.rank}. {hit.package.name}/{hit.node.name}"
         show(unfolded(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
         for text, place in _statements(hit):
             address = links.to(hit.package.repository, place) if place else None

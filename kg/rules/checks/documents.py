@@ -27,8 +27,8 @@ _NOTHING: Final = ("", SCAFFOLD)
 
 _WORDS: Final = {
     "title": ("a title", "`# What it derives, in a line`"),
-    "infers": ("`## What it infers`", "`# ## What it infers` and what triples from which"),
-    "why": ("`## Why`", "`# ## Why` and which question can be answered with it"),
+    "infers": ("text below `## What it infers`", "`# ## What it infers` and what triples from which"),
+    "why": ("text below `## Why`", "`# ## Why` and which question can be answered with it"),
     "since": ("`since:`", "`# since: 0.1`, the version of yours that has it first"),
 }
 """What may be lacking: what the message calls it, and how it is written."""
