@@ -462,6 +462,9 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
         items = [item for item in items if not isinstance(item, Unknown) or item.parameter is not None] or items
         if len(items) == 1:
             return _or_unknown(items[0])
+    elif len(items) > 1:
+        plain = [one for one in items if _is_plain(one)]
+        items = [one for one in items if one is plain[0] or one not in plain] if plain else items
     united = _united(items) if len(items) > _MOST_CONTAINERS else None
     if united is not None:
         return united
@@ -473,6 +476,12 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
         return Either(tuple(items))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
+
+
+def _is_plain(value: Value) -> bool:
+    """Check whether a value is unknown and differs from others in its reason only, which decides no condition."""
+    unknown = isinstance(value, Unknown) and value.parameter is None
+    return unknown and value not in _NEVER_FILLED and not is_foreign(value)
 
 
 def _or_unknown(value: Value) -> Value:

@@ -171,6 +171,15 @@ def test_a_number_that_may_be_unknown_is_unknown() -> None:
     assert join(Text.of("a"), Unknown("it is read")) == Text.of("a")
 
 
+def test_values_that_are_unknown_for_different_reasons_are_one() -> None:
+    """What is null, or a parameter, stays beside them: conditions depend on it."""
+    read, received = Unknown("it is read"), Unknown("it is received")
+    null, rate = Unknown("it is null"), Unknown("it is a parameter", "rate")
+    assert abstract.join(read, received) == read
+    assert abstract.options((null, read, received), "choice") == Either((null, read))
+    assert abstract.join(read, rate, received) == rate
+
+
 def test_lists_that_grew_under_conditions_are_one_list() -> None:
     """More than a few lists of different lengths become one with all elements, each of them optional."""
     a, b, c = (Text.of(name) for name in "abc")
