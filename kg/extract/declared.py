@@ -117,7 +117,7 @@ def _covered(name: str | None, names: set[str | None]) -> bool:
 
 
 def _of_another_type(parameter: Parameter, first: Parameter) -> bool:
-    """Whether two reads take values of types of which no value has both, so that the node takes either."""
+    """Check whether two reads take types that no single value has, so that the node accepts either."""
     if parameter.default is not None or first.default is not None or None in (parameter.type, first.type):
         return False
     return parameter.access is Access.READ and parameter.type != first.type and {parameter.type, first.type} != _NUMBERS

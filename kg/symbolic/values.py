@@ -464,7 +464,8 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
             return _or_unknown(items[0])
     elif len(items) > 1:
         plain = [one for one in items if _is_plain(one)]
-        items = [one for one in items if one is plain[0] or one not in plain] if plain else items
+        pairs = [(plain[0] if item in plain else item, way) for item, way in pairs]
+        items = [one for one in items if one not in plain[1:]]
     united = _united(items) if len(items) > _MOST_CONTAINERS else None
     if united is not None:
         return united
