@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.symbolic import binding, form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import counted_by, grown, is_finite
-from kg.symbolic.narrowing import Arm, attempt, condition_at, exclude, narrowed
+from kg.symbolic.narrowing import Arm, attempt, conditions_at, exclude, narrowed
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -295,7 +295,7 @@ class Machine:
         ends, terms = list[str | None](), list[tuple[str, ...]]()
         negated: list[str] = []
         closed = False
-        unknown = tuple[str, ...]()
+        unknown = later = tuple[str, ...]()
         for condition, body in statement.arms:
             holds = Truth(True) if condition is None else self.holds(condition, frame)
             if isinstance(holds, Truth):
@@ -307,7 +307,8 @@ class Machine:
                     return ended if ended != "exit" else None
             terms.append((*negated, *terms_of(holds)))
             arms.append((condition, body))
-            unknown = condition_at(statement, condition, holds, frame, unknown) if self.notes_conditions else ()
+            if self.notes_conditions:
+                unknown, later = conditions_at(statement, condition, holds, frame, later)
             with self._under((*terms[-1], *unknown)):
                 narrow = narrowed(self, arms, frame)
                 written, ended = attempt(self._journal, narrow, partial(self.run, body, frame))

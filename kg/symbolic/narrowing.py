@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 from kg.facts import HOLDS
 from kg.symbolic import form
-from kg.symbolic.operators import compute, under
+from kg.symbolic.operators import compute, opposite_terms, terms_of, under
 from kg.symbolic.state import Alias
 from kg.symbolic.values import Either, Guard, Object, Text, Truth, Value, Way, paths
 
@@ -50,19 +50,21 @@ def narrowed(machine: Machine, arms: Sequence[Arm], frame: Frame) -> Slots:
     return slots
 
 
-def condition_at(
+def conditions_at(
     branch: form.Branch, condition: Expression | None, holds: Value, frame: Frame, before: tuple[str, ...]
-) -> tuple[str, ...]:
-    """Return the term of a side of a branch that something other than parameters decides; none of other sides.
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the term of a side of a branch that something other than parameters decides, and that of later sides.
 
-    `before` is that of the side before: where what decides it is unknown, the others depend on that too.
+    Either is empty where parameters decide. `before` is what the side before gives to later ones.
     """
     if before:
-        return (f"!{before[0].removeprefix('!')}",)
-    if isinstance(holds, Truth) or (isinstance(holds, Guard) and holds.whole):
-        return ()
+        return before, before
+    if isinstance(holds, Truth):
+        return (), ()
     line = branch.line if condition is None or isinstance(condition, form.Type) else condition.line
-    return (f"{frame.unit.key.path}:{line} {HOLDS}",)
+    term = f"{frame.unit.key.path}:{line} {HOLDS}"
+    whole = isinstance(holds, Guard) and holds.whole
+    return () if whole and terms_of(holds) else (term,), () if whole and opposite_terms(holds) else (f"!{term}",)
 
 
 def exclude(machine: Machine, journal: Journal, arms: Sequence[Arm], ends: Sequence[str | None], frame: Frame) -> None:

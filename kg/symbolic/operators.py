@@ -293,22 +293,29 @@ def plain(value: Value) -> str | float | bool | None:
 
 def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
     """Return the conjunction or disjunction of conditions, evaluated until one decides."""
-    terms: list[str] = []
-    unsure, whole = False, True
+    conditions: list[Truth | Guard | Unknown] = []
     for operand in operands:
         condition = truth(operand())
-        if isinstance(condition, Truth) and condition.parameter is None:
-            if condition.value != all_of:
-                return condition
-            continue
-        unsure = True
-        whole = whole and isinstance(condition, Guard) and condition.whole
-        terms += terms_of(condition)
-    if not unsure:
+        if not isinstance(condition, Truth):
+            conditions.append(condition)
+        elif condition.value != all_of:
+            return condition
+    if not conditions:
         return Truth(all_of)
-    if terms and all_of:
-        return Guard(tuple(dict.fromkeys(terms)), whole)
-    return Unknown("it depends on a condition")
+    # A disjunction is the opposite of the conjunction of the opposites.
+    terms = dict.fromkeys(term for one in conditions for term in (terms_of if all_of else opposite_terms)(one))
+    whole = all(
+        isinstance(one, Guard) and one.whole and (len(one.terms) == 1 or one.any_of != all_of) for one in conditions
+    )
+    return _guard(tuple(terms), whole=whole, opposite=not all_of)
+
+
+def _guard(terms: tuple[str, ...], *, whole: bool, opposite: bool = False) -> Guard | Unknown:
+    """Return the conjunction of terms or its opposite as a guard."""
+    if not terms:
+        return Unknown("it depends on a condition")
+    alone = len(terms) == 1 and whole
+    return Guard(tuple(map(negated_term, terms)), whole, not alone) if opposite else Guard(terms, whole)
 
 
 def truth(value: Value) -> Truth | Guard | Unknown:
@@ -321,8 +328,10 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         if len(truths) == 1 == len(value.items):
             return next(iter(truths))
         guards = [one for one in truths if isinstance(one, Guard)]
-        if len(guards) == 1 and truths == {Truth(False), guards[0]}:
-            return Guard(guards[0].terms, whole=False)
+        other = next((one for one in truths if isinstance(one, Truth)), None)
+        if other is not None and len(guards) == 1 and truths == {other, guards[0]}:
+            terms = (opposite_terms if other.value else terms_of)(guards[0])
+            return _guard(terms, whole=False, opposite=other.value)
         return Unknown("it depends")
     if isinstance(value, Truth):
         return value if value.parameter is None else Guard((value.parameter,))
@@ -350,20 +359,20 @@ def negate(condition: Truth | Guard | Unknown) -> Value:
     """Return the opposite of a condition."""
     if isinstance(condition, Truth):
         return Truth(not condition.value)
-    if opposite := opposite_terms(condition):
-        return Guard(opposite)
-    return Unknown("it depends on a condition")
+    if isinstance(condition, Guard) and condition.any_of:
+        return _guard(opposite_terms(condition), whole=condition.whole)
+    return _guard(terms_of(condition), whole=isinstance(condition, Guard) and condition.whole, opposite=True)
 
 
 def terms_of(condition: Value) -> tuple[str, ...]:
-    """Return the terms of a guard; none of any other condition."""
-    return condition.terms if isinstance(condition, Guard) else ()
+    """Return the terms that hold if a condition does; none if no conjunction of parameters says so."""
+    return condition.terms if isinstance(condition, Guard) and not condition.any_of else ()
 
 
 def opposite_terms(condition: Value) -> tuple[str, ...]:
-    """Return the terms of the opposite of a guard; none if they are not known."""
-    if isinstance(condition, Guard) and condition.whole and len(condition.terms) == 1:
-        return (negated_term(condition.terms[0]),)
+    """Return the terms that hold if a condition does not; none if no conjunction of parameters says so."""
+    if isinstance(condition, Guard) and (condition.any_of or (condition.whole and len(condition.terms) == 1)):
+        return tuple(map(negated_term, condition.terms))
     return ()
 
 

@@ -135,11 +135,13 @@ class Enumerator:
 class Guard:
     """A condition on parameters, as a conjunction: `use_imu`, or `!use_imu`.
 
-    One that is not `whole` also requires something that is unknown, so it may fail where all terms hold.
+    One that is not `whole` also requires something that is unknown, so it may fail where all terms hold. One that is
+    `any_of` is a disjunction, which something unknown may fulfil, too, if it is not whole.
     """
 
     terms: tuple[str, ...]
     whole: bool = True
+    any_of: bool = False
 
 
 @dataclass(unsafe_hash=True, slots=True)
