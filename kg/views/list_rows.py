@@ -1,4 +1,4 @@
-"""Rows of the lists over the whole store, as plain values; `kg.views.lists` filters, sorts and pages them."""
+"""Rows of the lists over the whole store, as plain values; `kg.views.lists` declares the lists."""
 
 from __future__ import annotations
 
@@ -115,8 +115,8 @@ def channels(snapshot: EmbeddedSnapshot, base: str, kind: str) -> Rows:
         {
             "iri": iris.channel(kind, one.name),
             **asdict(one),
-            "giving": len(one.givers),
-            "taking": len(one.takers),
+            "giving": one.giving,
+            "taking": one.taking,
             "ends": _ends(one, kind),
             "packages": sorted({node.partition("/")[0] for node in (*one.givers, *one.takers)}),
         }

@@ -12,9 +12,10 @@ from starlette.routing import Route
 from kg.errors import KgError
 from kg.server.addresses import url
 from kg.server.errors import STATUS
-from kg.server.pages.lists import LISTS, address_of
+from kg.server.pages.lists import address_of
 from kg.server.rendering import page, view
 from kg.server.state import state
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
     from starlette.requests import Request
