@@ -132,7 +132,7 @@ def _ends(one: overview.Channel, kind: str) -> str:
 
 
 def types(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
-    """Return the types of messages, services and actions, with the sources that define them and the nodes in need."""
+    """Return the types of messages, services and actions, with the sources that define them and the number of users."""
 
     def make() -> list[dict[str, Any]]:
         sources: defaultdict[str, list[str]] = defaultdict(list)
@@ -156,10 +156,7 @@ def types(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
 
 
 def classes(snapshot: EmbeddedSnapshot, _base: str, of: str) -> Rows:
-    """Return the functions or capabilities that nodes have, or hardware and devices that they work with.
-
-    Each has the number of nodes of each grade.
-    """
+    """Return functions or capabilities of nodes, or their hardware and devices, with the number of nodes by grade."""
 
     def make() -> list[dict[str, Any]]:
         grades: defaultdict[str, Counter[str]] = defaultdict(Counter)

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 
 UNCOUNTED: Final = frozenset({"findings", "classes", "properties"})
 """Lists without a total: findings depend on kg.toml too, the vocabulary is counted for completions first."""
-_VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
+_VALUES: Final = 200  # maximum number of values of a facet, the most frequent ones
 
 
 def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True) -> dict[str, int]:
-    """Return how many rows lists have, without those `UNCOUNTED`, and `message types` the list of types.
+    """Return the numbers of rows of all lists but those `UNCOUNTED`, and that of `message types`.
 
-    It makes all lists; without `wait` nothing is returned where they have not been made before.
+    Computes all lists; without `wait` it returns nothing if they were not computed before.
     """
 
     def make() -> dict[str, int]:
@@ -61,13 +61,13 @@ def listing(  # noqa: PLR0913 - what a list can be asked
 ) -> dict[str, Any]:
     """Return the rows of the list `of` that have all words of `text` and the values of `facets`.
 
-    `sort` is a key of the rows, with `-` before it for the other direction; rows without a value come last. With a
-    `limit` (else all rows from `offset` on are there) each row also has `place`, null where it names no file (see
-    `kg.views.evidence`). With `whole` (any text) rows are as other programs read them (docs/formats.md).
+    `sort` is a key of the rows, with `-` before it for descending order; rows without a value come last. Without a
+    `limit`, all rows from `offset` on are returned. With one, each also has `place` (see `kg.views.evidence`), null
+    without a file. With `whole` (any text) rows are as other programs read them (docs/formats.md).
 
-    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `query`
-    (SPARQL for the chosen rows, None where there is none), `rows`, and `facets`: for each the objects `{"value",
-    "count"}` of the values that rows have which fit everything else, the most frequent first.
+    The answer has `of`, `all` (number of rows of the list), `total` (number of selected rows), `offset`, `sort`,
+    `query` (SPARQL for the selected rows, or None), `rows`, and `facets`: for each the objects `{"value", "count"}` of
+    the values in rows that match everything else, the most frequent first.
 
     Raises UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
     """
@@ -111,7 +111,7 @@ def every_row(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> R
 def _chosen(
     kind: List, rows: Rows, words: Sequence[str], given: Mapping[str, str]
 ) -> tuple[list[Row], dict[str, Counter[str]]]:
-    """Return the rows that fit, and for each facet how many rows of each value fit all others."""
+    """Return the matching rows, and for each facet how many rows of each value match all others."""
     counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
     chosen = []
     for row in rows:

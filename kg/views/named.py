@@ -1,4 +1,4 @@
-"""Things of every list by their name: the view `named`."""
+"""The view `named`: search in the names of all lists."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PAGE: Final = 100
 _MOST: Final = 1000
-_FEW: Final = 6  # so many values of a filter are links, each one click; more are in a field for choosing
+_FEW: Final = 6  # maximum number of values of a filter that are links; more are options of a field
 _FORMATS: Final = (
     ("text/html", "html"),
     ("application/json", "json"),
@@ -101,12 +101,12 @@ async def _list(request: Request) -> Response:
 
 
 def address_of(name: str, row: Mapping[str, Any]) -> str:
-    """Return the address of a thing of the list `name`, by the first column, of which `row` has all keys."""
+    """Return the address of a thing of the list `name`: the link of its first column, of which `row` has all keys."""
     return _link(LISTS[name].columns[0], row)
 
 
 async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:
-    """Return the first rows of a list that facets leave, for `list_table.html`, and the address of the whole list."""
+    """Return the first rows of a filtered list for `list_table.html`, and the address of the filtered list."""
     rows = await view(request, "list", of=name, limit=str(most), **facets)
     columns = [(one, "", "") for one in LISTS[name].columns if one.key not in facets]
     return {
