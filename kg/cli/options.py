@@ -13,7 +13,6 @@ import typer
 
 from kg import forms
 from kg.cli.completion import launches, packages, rules
-from kg.codes import SEVERITIES
 from kg.errors import UsageError
 from kg.settings import DECLARED, Declaration, Settings, load
 from kg.similar import did_you_mean
@@ -213,18 +212,6 @@ System = Annotated[
     ),
 ]
 UpdateUrl = Annotated[str | None, option("--update-url URL", "Address for updates of the server, if different.")]
-
-
-_FORMATS: Final = ("text", "json", "sarif", "github")
-
-Form = Annotated[str, option("--format -f FORMAT", f"One of {', '.join(_FORMATS)}.")]
-Level = Annotated[str, option("--level SEVERITY", "Lowest severity to show: error, warning or note.")]
-
-
-def require_valid(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
-    """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
-    require_one_of(form, _FORMATS, "format", (hints or {}).get(form, ""))
-    require_one_of(level, SEVERITIES, "severity")
 
 
 def whole(text: str, option: str, least: int, most: int | None = None) -> int:

@@ -21,17 +21,17 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.reading import digest
 from kg.evaluate.completeness import share
-from kg.evaluate.sheet import STATED, Fact, Facts, SourceLines, drawn
+from kg.evaluate.sheet import STATED, Fact, Facts, SourceLines, drawn, stated
 from kg.evaluate.tables import Cell, Share, Table, shares_of, weighed, with_paper
-from kg.graph import vocabulary as v
-from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
+from kg.graph.reading.nodes import node_records
 from kg.query.rows import rows
+from kg.rules.selecting import columns_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.store.interface import Snapshot
+    from kg.store.snapshot import EmbeddedSnapshot
 
 _CALLS: Final = "calls that the graph has"
 _FACTS: Final = "facts that their line holds"
@@ -43,9 +43,6 @@ _TEST: Final = re.compile(
 """Paths of test files."""
 
 _REPOSITORY: Final = "SELECT ?name { GRAPH %s { ?repository a rnkg:Repository ; rnkg:name ?name } }"
-_LINES: Final = "SELECT ?part ?class ?path ?line { GRAPH %s { ?part a ?class ; rnkg:path ?path ; rnkg:line ?line } }"
-_CALL_PLACES: Final = "SELECT ?class ?via { GRAPH %s { ?part a ?class ; rnkg:via ?via } }"
-_ELSEWHERE: Final = "SELECT ?part ?repository { GRAPH %s { ?part rnkg:repository ?repository } }"
 _FILES: Final = "SELECT ?path ?digest { GRAPH %s { ?file rnkg:path ?path ; rnkg:digest ?digest } }"
 _FOLDERS: Final = "SELECT ?folder { GRAPH %s { ?package a rnkg:Package ; rnkg:folder ?folder } }"
 
@@ -208,28 +205,20 @@ def line_end(code: str) -> int:
 class Places:
     """The lines of all ends and parameters of a store, the digests of its files, and the folders of its packages."""
 
-    def __init__(self, snapshot: Snapshot) -> None:
-        self._snapshot = snapshot
+    def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         self._lines: defaultdict[tuple[str, str, str], set[int]] = defaultdict(set)
         self._digests: dict[tuple[str, str], str] = {}
         self._folders: defaultdict[str, set[str]] = defaultdict(set)
-        kinds = {v.bare(term): relation for relation, term in STATED.items()}
+        for record in node_records(columns_of(snapshot)):
+            for relation, part, _ in stated(record):
+                for place in (part.location, *part.via[-1:]):
+                    self._lines[relation, place.repository or record.repository, place.path].add(place.line)
         for graph in snapshot.graphs():
             if is_source_graph(graph.value):
-                for (repository,) in rows(self._snapshot, _REPOSITORY % graph):
-                    self._read(str(graph), repository, kinds)
-
-    def _read(self, graph: str, repository: str, kinds: dict[str, str]) -> None:
-        elsewhere = dict(rows(self._snapshot, _ELSEWHERE % graph))
-        for part, kind, path, line in rows(self._snapshot, _LINES % graph):
-            if kind in kinds:
-                self._lines[kinds[kind], elsewhere.get(part, repository), path].add(int(line))
-        for kind, chain in rows(self._snapshot, _CALL_PLACES % graph):
-            for call in chain_of(chain)[-1:] if kind in kinds else ():
-                self._lines[kinds[kind], call.repository or repository, call.path].add(call.line)
-        for path, value in rows(self._snapshot, _FILES % graph):
-            self._digests[repository, path] = value
-        self._folders[repository].update(folder or "." for (folder,) in rows(self._snapshot, _FOLDERS % graph))
+                for (repository,) in rows(snapshot, _REPOSITORY % graph):
+                    for path, value in rows(snapshot, _FILES % graph):
+                        self._digests[repository, path] = value
+                    self._folders[repository].update(folder or "." for (folder,) in rows(snapshot, _FOLDERS % graph))
 
     def has(self, relation: str, file: tuple[str, str], first: int, last: int) -> bool:
         """Return whether the graph has an end or parameter of a relation on some lines of a file of a source."""
@@ -271,7 +260,7 @@ class _Comparison:
     files: int = 0
 
 
-def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, tests: bool = False) -> Checked:
+def check_code(snapshot: EmbeddedSnapshot, lines: SourceLines, size: int, seed: int, *, tests: bool = False) -> Checked:
     """Check samples of `size` calls and `size` facts; deterministic for the same store, code and seed.
 
     Test files are searched for calls only with `tests`: most of their code is not part of a node.
@@ -372,7 +361,7 @@ def _files(root: Path) -> Iterator[str]:
 def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list[tuple[Fact, bool]], int]:
     """Return sampled facts with whether their lines contain them, and the number of those without a line here."""
     judged, absent = [], 0
-    for relation, pair in drawn(facts, tuple(STATED), size, seed):
+    for relation, pair in drawn(facts, STATED, size, seed):
         fact = facts.fact(relation, pair)
         if fact.call is not None:  # the line that calls the framework counts, also in another package than the node's
             source = fact.call.repository or fact.repository

@@ -13,29 +13,29 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
-from urllib.parse import unquote
 
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
 from kg.evaluate.tables import Cell, Table, safe_cell, shares_of, weighed
-from kg.facts import Location, Role
+from kg.facts import Interface, Location, Role
 from kg.graph import vocabulary as v
-from kg.graph.chains import chain_of
-from kg.graph.interfaces import SHAPES
-from kg.graph.iris import is_source_graph
+from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.lint.lines import Lines
 from kg.query.rows import rows
 from kg.render.text import count
+from kg.rules.selecting import columns_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from kg.facts import Parameter
     from kg.graph.source_states import SourceState
-    from kg.store.interface import Snapshot
+    from kg.store.snapshot import EmbeddedSnapshot
 
 
-STATED: Final = {**{role.relation: SHAPES[role].component_class for role in Role}, "has parameter": v.PARAMETER}
-"""Relations read from code, by the class of their objects."""
+_PARAMETER: Final = "has parameter"
+STATED: Final = (*(role.relation for role in Role), _PARAMETER)
+"""Relations read from code."""
 INFERRED: Final = {
     "has function": v.rnkg("hasFunction"),
     "uses hardware": v.rnkg("usesHardware"),
@@ -43,19 +43,7 @@ INFERRED: Final = {
 }
 """Inferred relations."""
 RELATIONS: Final = (*STATED, *INFERRED)
-_PARTS: Final = """
-SELECT ?node ?part ?class { GRAPH %s {
-  ?node a rnkg:NodeType ; ros:hasComponent|rnkg:hasParameter ?part . ?part rnkg:implicit false ; a ?class
-} }"""
 _RULED: Final = "SELECT ?node ?what { ?node %s ?what . ?node a rnkg:NodeType }"
-_OWNER: Final = """
-SELECT ?repository ?package ?name ?path ?line {
-  ?package_ rnkg:contains %(node)s ; a rnkg:Package ; rnkg:name ?package .
-  ?repository_ rnkg:contains ?package_ ; a rnkg:Repository ; rnkg:name ?repository .
-  %(node)s rnkg:name ?name ; rnkg:path ?path ; rnkg:line ?line .
-}"""
-_TYPES: Final = ("/message/", "/service-type/", "/action-type/")
-_TYPE_OF: Final = (v.bare(v.ROS_HAS_MESSAGE), v.bare(v.HAS_SERVICE_TYPE), v.bare(v.HAS_ACTION_TYPE))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,54 +68,54 @@ class Fact:
     """The call of the framework, if it is in a wrapper or base class of another package."""
 
 
+def stated(record: NodeRecord) -> Iterator[tuple[str, Interface | Parameter, str]]:
+    """Yield the ends and parameters of a node, each with its relation and its IRI."""
+    yield from ((end.role.relation, end, iri) for end, iri in record.ends.items())
+    yield from ((_PARAMETER, parameter, iri) for parameter, iri in record.settable.items())
+
+
 class Facts:
     """The facts of a store by relation."""
 
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         self._snapshot = snapshot
-        self.listed: dict[str, list[tuple[str, str]]] = {}
-        """For each relation, sorted pairs of IRIs: the node and the object."""
+        self._records = {one.iri: one for one in node_records(columns_of(snapshot))}
+        self._parts: dict[tuple[str, str], Interface | Parameter] = {}
         pairs: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
-        relations = {v.bare(kind): relation for relation, kind in STATED.items()}
-        for graph in snapshot.graphs():
-            if is_source_graph(graph.value):
-                for node, part, kind in rows(snapshot, _PARTS % graph):
-                    if kind in relations:
-                        pairs[relations[kind]].add((node, part))
+        for node, record in self._records.items():
+            for relation, part, iri in stated(record):
+                if not part.implicit:
+                    self._parts[node, iri] = part
+                    pairs[relation].add((node, iri))
         for relation, term in INFERRED.items():
             pairs[relation].update((node, what) for node, what in rows(snapshot, _RULED % term, union=True))
         self.listed = {relation: sorted(pairs[relation]) for relation in RELATIONS if pairs[relation]}
+        """For each relation, sorted pairs of IRIs: the node and the object."""
 
     def fact(self, relation: str, pair: tuple[str, str]) -> Fact:
         """Return the details of a listed fact."""
-        node, part = pair
-        repository, package, name, path, line = min(rows(self._snapshot, _OWNER % {"node": f"<{node}>"}, union=True))
-        if relation in INFERRED:
-            labels = rows(self._snapshot, f"SELECT ?label {{ <{part}> rdfs:label ?label }}", union=True)
-            label = min((row[0] for row in labels), default=part)
-            return Fact(relation, repository, package, name, label, None, None, repository, path, int(line))
-        properties = dict(rows(self._snapshot, f"SELECT ?p ?o {{ <{part}> ?p ?o }}", union=True))
-        kind = next(
-            (_type_name(properties[term]) for term in _TYPE_OF if term in properties),
-            properties.get(v.bare(v.PARAMETER_TYPE)),
-        )
+        node, thing = pair
+        record, part = self._records[node], self._parts.get(pair)
+        if part is None:
+            labels = rows(self._snapshot, f"SELECT ?label {{ <{thing}> rdfs:label ?label }}", union=True)
+            value, kind, written = min((row[0] for row in labels), default=thing), None, None
+        else:
+            value, kind = part.name, part.type
+            written = part.written if isinstance(part, Interface) else None
+        place = record.node.location if part is None else part.location
         return Fact(
             relation,
-            repository,
-            package,
-            name,
-            properties.get(v.bare(v.NAME)),
+            record.repository,
+            record.package,
+            record.node.name,
+            value,
             kind,
-            properties.get(v.bare(v.WRITTEN)),
-            properties.get(v.bare(v.IN_REPOSITORY), repository),
-            properties[v.bare(v.PATH)],
-            int(properties[v.bare(v.LINE)]),
-            next(reversed(chain_of(properties.get(v.bare(v.VIA)))), None),
+            written,
+            place.repository or record.repository,
+            place.path,
+            place.line,
+            part.via[-1] if part and part.via else None,
         )
-
-
-def _type_name(iri: str) -> str | None:
-    return next((unquote(iri.partition(kind)[2]) for kind in _TYPES if kind in iri), None)
 
 
 class SourceLines:

@@ -18,7 +18,7 @@ from kg.errors import UsageError
 DEFAULT_BASE: Final = "https://w3id.org/rnkg/"
 """The base of all IRIs unless a setting says otherwise."""
 
-UNKNOWN: Final = "@unresolved"
+_UNKNOWN: Final = "@unresolved"
 """Stands in a fragment for a name that is not known; `@` never occurs in an encoded name."""
 
 RUNNING: Final = "robot"
@@ -88,7 +88,7 @@ def fragment(owner: str, kind: str, name: str | None, count: int = 1) -> str:
     """Return the IRI of the `count`-th part of `owner` (an IRI) that has this `kind` and `name` (None: not known)."""
     number = f"@{count}" if count > 1 else ""
     mark = "/" if "#" in owner else "#"
-    return f"{owner}{mark}{_segment(kind)}/{UNKNOWN if name is None else _path(name)}{number}"
+    return f"{owner}{mark}{_segment(kind)}/{_UNKNOWN if name is None else _path(name)}{number}"
 
 
 @dataclass(frozen=True, slots=True)

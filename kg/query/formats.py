@@ -7,7 +7,7 @@ Results are written as a stream (`write_rows`, `write_graph`) or whole (`write`)
 from __future__ import annotations
 
 from itertools import islice
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from kg.errors import QueryError
 from kg.query.result import Boolean, Graph, Result, Row
@@ -31,23 +31,51 @@ BOOLEAN_FORMATS: Final = BOOLEANS
 GRAPH_FORMATS: Final = FORMATS
 """Formats of graphs."""
 
-ALIASES: Final = {
-    "ttl": "turtle",
-    "n3": "turtle",  # a subset of it
-    "nt": "ntriples",
-    "n-triples": "ntriples",
-    "nq": "nquads",
-    "n-quads": "nquads",
-    "json-ld": "jsonld",
-    "rdf": "rdfxml",
-    "rdf/xml": "rdfxml",
-    "rdf+xml": "rdfxml",
-    "srj": "json",
-    "srx": "xml",
-    "md": "markdown",
-    "ndjson": "jsonl",
-}
-"""Other names of formats."""
+
+class Format(NamedTuple):
+    """A format: its name, its label, the ending of its files, and its media types, the preferred one first.
+
+    `registered` is its name at W3C (https://www.w3.org/ns/formats/), `aliases` are other names.
+    """
+
+    name: str
+    label: str
+    ending: str
+    media: tuple[str, ...]
+    registered: str = ""
+    aliases: tuple[str, ...] = ()
+
+
+_RESULTS: Final = "application/sparql-results"
+OF_RESULTS: Final = (
+    Format("json", "JSON", ".json", (f"{_RESULTS}+json", "application/json"), "SPARQL_Results_JSON", ("srj",)),
+    Format("xml", "XML", ".xml", (f"{_RESULTS}+xml", "application/xml", "text/xml"), "SPARQL_Results_XML", ("srx",)),
+    Format("csv", "CSV", ".csv", ("text/csv",), "SPARQL_Results_CSV"),
+    Format("tsv", "TSV", ".tsv", ("text/tab-separated-values",), "SPARQL_Results_TSV"),
+    Format("jsonl", "JSON Lines", ".jsonl", ("application/x-ndjson",), aliases=("ndjson",)),
+    Format("markdown", "Markdown", ".md", ("text/markdown",), aliases=("md",)),
+    Format(parquet.NAME, "Parquet", ".parquet", ("application/vnd.apache.parquet",)),
+)
+"""Formats of rows and booleans, the preferred one first; there is no Parquet of booleans."""
+OF_GRAPHS: Final = (
+    Format("turtle", "Turtle", ".ttl", ("text/turtle", "application/x-turtle"), "Turtle", ("ttl", "n3")),
+    Format("ntriples", "N-Triples", ".nt", ("application/n-triples", "text/plain"), "N-Triples", ("nt", "n-triples")),
+    Format("jsonld", "JSON-LD", ".jsonld", ("application/ld+json", "application/json"), "JSON-LD", ("json-ld",)),
+    Format(
+        "rdfxml",
+        "RDF/XML",
+        ".rdf",
+        ("application/rdf+xml", "application/xml", "text/xml"),
+        "RDF_XML",
+        ("rdf", "rdf/xml", "rdf+xml"),
+    ),
+    Format("trig", "TriG", ".trig", ("application/trig",), "TriG"),
+    Format("nquads", "N-Quads", ".nq", ("application/n-quads",), "N-Quads", ("nq", "n-quads")),
+)
+"""Formats of graphs, the preferred one first."""
+BY_NAME: Final = {one.name: one for one in (*OF_RESULTS, *OF_GRAPHS)}
+ALIASES: Final = {alias: one.name for one in BY_NAME.values() for alias in one.aliases}
+"""Other names of formats; N3 is read as Turtle, a subset of it."""
 
 _WITH_PREFIXES: Final = frozenset({"turtle", "trig", "rdfxml"})
 

@@ -120,12 +120,6 @@ def _begins(name: str, start: str) -> bool:
     return name.startswith(start) and not name[len(start) : len(start) + 1].isalpha()
 
 
-_TYPED: Final = {
-    "subscribes": ("subscribes",),
-    "publishes": ("publishes",),
-    "services": ("services", "action_servers"),
-    "calls": ("clients", "action_clients"),
-}
 _MOST: Final = 8  # so many values are named in an error; they fit a line
 _NONE: Final = "No node has any; `kg nodes` lists the nodes."
 
@@ -141,7 +135,7 @@ def wishes(filters: Mapping[str, Sequence[str]], names: Names) -> tuple[Wish, ..
 
 def filter_values(kind: str, names: Names) -> list[str]:
     """Return the possible values of a filter, sorted."""
-    kinds = _TYPED.get(kind, (kind,))
+    kinds = FILTERS[kind].roles or (kind,)
     return sorted({name.partition(":")[2] for name in names.features if name.partition(":")[0] in kinds})
 
 
@@ -149,7 +143,7 @@ def _wish(kind: str, value: str, names: Names) -> Wish:
     features = _features(kind, value.strip(), names)
     if not features:
         choices = filter_values(kind, names)
-        near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if kind in _TYPED)])
+        near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if FILTERS[kind].roles)])
         named = ", ".join(f"`{one}`" for one in choices[:_MOST])
         some = f"There are {named}{' and more' if len(choices) > _MOST else ''}." if choices else _NONE
         raise UsageError(FILTERS[kind].code, f"no node of the store has `--{kind} {value}`", hint=near or some)
@@ -157,8 +151,8 @@ def _wish(kind: str, value: str, names: Names) -> Wish:
 
 
 def _features(kind: str, value: str, names: Names) -> tuple[str, ...]:
-    if kind in _TYPED:
-        return tuple(feature for role in _TYPED[kind] for feature in names.types(role, value))
+    if roles := FILTERS[kind].roles:
+        return tuple(feature for role in roles for feature in names.types(role, value))
     if kind == "license":
         return names.licenses(value)
     if kind in {"hardware", "function", "capability"}:

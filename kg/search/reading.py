@@ -1,7 +1,7 @@
-"""Read documents from a snapshot of the store: few large queries, one source graph at a time.
+"""Read documents from a snapshot of the store: nodes from their facts, packages and concepts by queries.
 
-Joins over the union of all graphs cost many times as much, because most triples in the graphs of systems and of
-inferences are about interfaces.
+Joins over the union of all graphs cost many times as much as queries over one source graph after another, because most
+triples in the graphs of systems and of inferences are about interfaces.
 """
 
 from __future__ import annotations
@@ -11,50 +11,31 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import unquote
 
 from kg.facts import DescriptionKind
 from kg.graph import vocabulary as v
 from kg.graph.fields import one as value_of
-from kg.graph.interfaces import SHAPES
-from kg.graph.iris import UNKNOWN, is_source_graph
-from kg.graph.reading.nodes import owner_of
+from kg.graph.iris import is_source_graph
+from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.graph.reading.queries import grouped
+from kg.graph.texts import descriptions_of
 from kg.query.rows import rows
+from kg.rules.selecting import columns_of
 from kg.search.documents import Document, End, PackageDocument, Text
 from kg.search.folding import TRANSFORM_TYPES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.store.interface import Snapshot
+    from kg.facts import Description
+    from kg.store.snapshot import EmbeddedSnapshot
 
-_NODES: Final = (
-    "?s ?p ?o { ?s a rnkg:NodeType ; ?p ?o "
-    "FILTER(?p NOT IN (ros:hasComponent, rnkg:hasParameter, rnkg:hasSource, rnkg:imports, rnkg:importedAt)) }"
-)
 _PACKAGES: Final = (
     "?s ?p ?o { ?s a rnkg:Package ; ?p ?o "
     "FILTER(?p NOT IN (rnkg:contains, rnkg:hasDependency, rnkg:dependsOn, rnkg:defines, rnkg:hasProblem)) }"
 )
-_OWNED: Final = (
-    "?n ?p ?r { ?p a rnkg:Package ; rnkg:contains ?n . ?n a rnkg:NodeType . ?r rnkg:contains ?p ; a rnkg:Repository }"
-)
-_PROGRAMS: Final = "?n ?x { ?n rnkg:hasExecutable/rnkg:name ?x }"
-_ENDS: Final = (
-    "?c ?p ?l { ?c rnkg:implicit false ; rnkg:path ?p ; rnkg:line ?l FILTER(!CONTAINS(STR(?c), '#parameter/')) }"
-)
-_TRANSFORMS: Final = (
-    "?c ?p ?l { VALUES ?t { %s } ?c ros:hasMessage ?t ; rnkg:implicit true ; rnkg:path ?p ; rnkg:line ?l }"
-)
-_TYPES: Final = "?c ?t { ?c ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t }"
-_PARAMETERS: Final = "?c { ?c rnkg:implicit false FILTER(CONTAINS(STR(?c), 'parameter/')) }"
+_OWNED: Final = "?p ?name { ?p a rnkg:Package . ?r rnkg:contains ?p ; a rnkg:Repository ; rnkg:name ?name }"
 _SPEAKING: Final = "SELECT DISTINCT ?p { GRAPH ?g { ?p rnkg:speaksFor ?n } }"
-_TOLD: Final = "?c ?d { ?c dcterms:description ?d }"
-_TEXTS: Final = (
-    "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o "
-    "FILTER(?p IN (rnkg:text, rnkg:descriptionKind, rnkg:path, rnkg:line, rnkg:heading)) }"
-)
 _CONCEPTS: Final = """
 SELECT ?s ?p ?o {
   GRAPH %s { ?s a owl:NamedIndividual ; ?p ?o }
@@ -70,9 +51,6 @@ _EVIDENCE: Final = {f"{v.RNKG}{name}" for name in ("Sign", "Context", "Bystander
 """Classes of individuals of the schemes that rules use, but nobody searches for."""
 _ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _BROADER: Final = f"{v.SKOS}broader"
-_ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
-_PARAMETER: Final = "parameter"
-_USAGE: Final = str(DescriptionKind.USAGE)
 _LICENCE: Final = re.compile(
     r"\bcopyright\b|\ball rights reserved\b|\bredistribut|\bwarrant(?:y|ies)\b"
     r"|\b(?:licensed|distributed|released) under\b|\bpermitted provided\b|\bdisclaimer\b|\bmerchantability\b",
@@ -100,27 +78,24 @@ class Content:
     concepts: list[Concept] = field(default_factory=list)
 
 
-def read(snapshot: Snapshot) -> Content:
+def read(snapshot: EmbeddedSnapshot) -> Content:
     """Return the documents of a snapshot: packages by source and name, their nodes by name."""
     return _Reading(snapshot).content()
 
 
 class _Reading:
-    def __init__(self, snapshot: Snapshot) -> None:
+    def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         self.snapshot = snapshot
+        self.columns = columns_of(snapshot)
         self.graphs = [graph for graph in snapshot.graphs() if is_source_graph(graph.value)]
-        self.terms: defaultdict[str, list[str]] = defaultdict(list)
-        self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
         self.individuals = grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
 
     def content(self) -> Content:
-        owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
-        for node in owners:
-            self.terms[node.partition("#")[0]].append(node)
-        packages = self._packages(owners.values())
-        places = {package.iri: place for place, package in enumerate(packages)}
-        return Content(packages, self._nodes(owners, places), self._concepts())
+        records = node_records(self.columns)
+        packages = self._packages({(one.repository, one.package) for one in records})
+        places = {(package.repository, package.name): place for place, package in enumerate(packages)}
+        return Content(packages, self._nodes(records, places), self._concepts())
 
     def _sources(self, body: str) -> Iterator[Any]:
         """Yield the rows of `variables { pattern }` over each source graph, one after another."""
@@ -128,29 +103,10 @@ class _Reading:
         for graph in self.graphs:
             yield from rows(self.snapshot, f"SELECT {variables} {{ GRAPH {graph} {{ {pattern} }}")
 
-    def _texts(self) -> dict[str, tuple[Text, ...]]:
-        owners: dict[str, str] = {}
-        parts: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-        for owner, part, predicate, value in self._sources(_TEXTS):
-            owners[part] = owner
-            parts[part][predicate].append(value)
-        by_owner: defaultdict[str, list[Text]] = defaultdict(list)
-        for part, properties in parts.items():
-            get = partial(value_of, properties)
-            text, kind, path = get(v.DESCRIPTION_TEXT), get(v.DESCRIPTION_KIND), get(v.PATH)
-            if text and _LICENCE.search(text):
-                continue
-            by_owner[owners[part]].append(
-                Text(text or "", kind or "", path or "", int(get(v.LINE) or 0), get(v.HEADING))
-            )
-        return {
-            owner: tuple(sorted(texts, key=lambda one: (one.path, one.line, one.text)))
-            for owner, texts in by_owner.items()
-        }
-
-    def _packages(self, owners: Iterable[tuple[str, str]]) -> list[PackageDocument]:
-        sources = dict(owners)
-        names = {iri: unquote(iri.partition("repository/")[2]) for iri in sources.values()}
+    def _packages(self, owners: Collection[tuple[str, str]]) -> list[PackageDocument]:
+        """Return the packages of some sources and names."""
+        repositories = dict(self._sources(_OWNED))
+        texts = descriptions_of(self.columns, "?node a rnkg:Package .")
         copies: defaultdict[str, set[str]] = defaultdict(set)
         speaking = {iri for (iri,) in rows(self.snapshot, _SPEAKING)}
         for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
@@ -158,88 +114,57 @@ class _Reading:
             copies[other].add(one)
         packages = []
         for iri, properties in grouped(self._sources(_PACKAGES)).items():
-            if iri not in sources:
-                continue
             get = partial(value_of, properties)
+            repository, name = repositories.get(iri, ""), get(v.NAME) or ""
+            if (repository, name) not in owners:
+                continue
             spdx = [one.rpartition("/")[2] for one in properties.get(v.bare(v.LICENSE), ())]
+            said = (one for one in texts.get(iri, ()) if one.kind is not DescriptionKind.USAGE or iri in speaking)
             packages.append(
                 PackageDocument(
                     iri=iri,
-                    repository=names[sources[iri]],
-                    name=get(v.NAME) or "",
+                    repository=repository,
+                    name=name,
                     version=get(v.VERSION),
                     ros=int(get(v.ROS_VERSION) or 0),
                     path=get(v.PATH) or "",
                     deprecated=v.bare(v.DEPRECATED) in properties,
                     description=get(v.DESCRIPTION),
                     licenses=tuple(sorted({*spdx, *properties.get(v.bare(v.LICENSE_NAME), ())})),
-                    texts=tuple(one for one in self.texts.get(iri, ()) if one.kind != _USAGE or iri in speaking),
+                    texts=_texts(said),
                     copies=tuple(sorted(copies.get(iri, ()))),
                 )
             )
         return sorted(packages, key=lambda one: (one.repository, one.name, one.path))
 
-    def _nodes(self, owners: Mapping[str, tuple[str, str]], places: Mapping[str, int]) -> list[Document]:
-        ends, parameters = self._ends(), self._parameters()
-        programs = dict(self._sources(_PROGRAMS))
+    def _nodes(self, records: Iterable[NodeRecord], places: Mapping[tuple[str, str], int]) -> list[Document]:
         classes = self._classes()
         starts = self._starts()
-        nodes = []
-        for iri, properties in grouped(self._sources(_NODES)).items():
-            if iri not in owners or owners[iri][0] not in places:
-                continue
-            get = partial(value_of, properties)
-            nodes.append(
-                Document(
-                    iri=iri,
-                    name=get(v.NAME) or "",
-                    kind=(get(v.KIND) or "").removeprefix(v.RNKG),
-                    package=places[owners[iri][0]],
-                    ros=int(get(v.ROS_VERSION) or 0),
-                    path=get(v.PATH) or "",
-                    line=int(get(v.LINE) or 0),
-                    executable=programs.get(iri),
-                    plugin=get(v.PLUGIN_NAME),
-                    node_name=get(v.NODE_NAME),
-                    aliases=tuple(sorted(properties.get(v.bare(v.ALIAS), ()))),
-                    texts=self.texts.get(iri, ()),
-                    ends=ends.get(iri, ()),
-                    parameters=parameters.get(iri, ()),
-                    hardware=classes[iri, "hardware"],
-                    functions=classes[iri, "functions"],
-                    capabilities=classes[iri, "capabilities"],
-                    starts=starts[iri],
-                )
+        nodes = [
+            Document(
+                iri=one.iri,
+                name=one.node.name,
+                kind=str(one.node.kind),
+                package=places[one.repository, one.package],
+                ros=one.node.ros,
+                path=one.node.location.path,
+                line=one.node.location.line,
+                executable=one.node.executable,
+                plugin=one.node.plugin,
+                node_name=one.node.node_name,
+                aliases=tuple(sorted(one.node.aliases)),
+                texts=_texts(one.descriptions),
+                ends=_ends(one),
+                parameters=_parameters(one),
+                hardware=classes[one.iri, "hardware"],
+                functions=classes[one.iri, "functions"],
+                capabilities=classes[one.iri, "capabilities"],
+                starts=starts[one.iri],
             )
+            for one in records
+            if (one.repository, one.package) in places
+        ]
         return sorted(nodes, key=lambda one: (one.package, one.name, one.path, one.line, one.iri))
-
-    def _ends(self) -> dict[str, tuple[End, ...]]:
-        types = dict(self._sources(_TYPES))
-        by_node: defaultdict[str, set[tuple[str, str, str, str, int]]] = defaultdict(set)
-        messages = {iri.rpartition("/message/")[0] for iri in types.values() if "/message/" in iri}
-        transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in TRANSFORM_TYPES)
-        for body in (_ENDS, _TRANSFORMS % transforms):
-            for part, path, line in self._sources(body):
-                node = owner_of(part, self.terms)
-                role, name = _part(node, part)
-                if role in _ROLES:
-                    by_node[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
-        return {
-            node: tuple(
-                End(role, name or None, kind or None, path, line) for role, name, kind, path, line in sorted(ends)
-            )
-            for node, ends in by_node.items()
-        }
-
-    def _parameters(self) -> dict[str, tuple[tuple[str, str | None], ...]]:
-        descriptions = dict(self._sources(_TOLD))
-        by_node: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
-        for (part,) in self._sources(_PARAMETERS):
-            node = owner_of(part, self.terms)
-            kind, name = _part(node, part)
-            if kind == _PARAMETER and name is not None:
-                by_node[node][name] = descriptions.get(part) or by_node[node].get(name)
-        return {node: tuple(sorted(named.items())) for node, named in by_node.items()}
 
     def _classes(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Return the labels of the classes of nodes, by node and field of a document."""
@@ -274,15 +199,28 @@ class _Reading:
         return tuple(sorted(filter(None, wider.values())))
 
 
-def _part(node: str, part: str) -> tuple[str, str | None]:
-    """Return the kind and the name in the IRI of a part of a node (`kg.graph.iris.fragment`)."""
-    kind, _, name = part[len(node) + 1 :].partition("/")
-    name = unquote(name.partition("@")[0]) if not name.startswith(UNKNOWN) else ""
-    return kind, name or None
+def _texts(descriptions: Iterable[Description]) -> tuple[Text, ...]:
+    texts = (
+        Text(one.text, str(one.kind), one.location.path, one.location.line, one.heading)
+        for one in descriptions
+        if not _LICENCE.search(one.text)
+    )
+    return tuple(sorted(texts, key=lambda one: (one.path, one.line, one.text)))
 
 
-def _type_name(iri: str | None) -> str | None:
-    if iri is None:
-        return None
-    package, name = iri.split("/")[-2:]
-    return f"{unquote(package)}/{unquote(name)}"
+def _ends(record: NodeRecord) -> tuple[End, ...]:
+    """Return the interfaces of a node that its code creates, and those for transforms, which frameworks create."""
+    ends = {
+        End(str(one.role), one.name or None, one.type, one.location.path, one.location.line)
+        for one in record.node.interfaces
+        if not one.implicit or one.type in TRANSFORM_TYPES
+    }
+    return tuple(sorted(ends, key=lambda one: (one.role, one.name or "", one.type or "", one.path, one.line)))
+
+
+def _parameters(record: NodeRecord) -> tuple[tuple[str, str | None], ...]:
+    described: dict[str, str | None] = {}
+    for one in record.node.parameters:
+        if not one.implicit and one.name:
+            described[one.name] = one.description or described.get(one.name)
+    return tuple(sorted(described.items()))

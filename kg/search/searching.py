@@ -185,7 +185,6 @@ _VERBS: Final = {
     "action_servers": "provides the action",
     "action_clients": "calls the action",
 }
-_ROLES: Final = {"services": ("services", "action_servers"), "calls": ("clients", "action_clients")}
 _KINDS: Final = {
     "comment": "a comment says",
     "docstring": "its docstring says",
@@ -247,7 +246,7 @@ def _of_wishes(
         features = set(wish.features)
         weight = gain(index, wish) + (1.0 if wish.strict else 0.0)
         for end in node.ends:
-            if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
+            if f"{end.role}:{end.type}" in features:
                 words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
                 words_weight = sum(weights.get(term, 0.0) for term in set(words))
                 yield Reason(f"{_VERBS[end.role]} {end.type}", weight + words_weight / 2, end.path, end.line)

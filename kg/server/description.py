@@ -11,11 +11,11 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 from starlette.responses import Response
 
 from kg.errors import QueryError
-from kg.query.formats import GRAPH_FORMATS
+from kg.query.formats import GRAPH_FORMATS, OF_GRAPHS, OF_RESULTS
 from kg.query.readers.messages import Question
 from kg.server.addresses import address
 from kg.server.errors import RequestError
-from kg.server.negotiation import GRAPH, RESULTS, choose
+from kg.server.negotiation import GRAPH, choose
 from kg.server.parameters import Parameters
 from kg.server.safety.tokens import client
 from kg.server.state import state
@@ -32,21 +32,6 @@ _SD: Final = "http://www.w3.org/ns/sparql-service-description#"
 _VOID: Final = "http://rdfs.org/ns/void#"
 _FORMATS: Final = "http://www.w3.org/ns/formats/"
 _INTEGER: Final = NamedNode("http://www.w3.org/2001/XMLSchema#integer")
-
-_FORMAT_NAMES: Final = {
-    "json": "SPARQL_Results_JSON",
-    "xml": "SPARQL_Results_XML",
-    "csv": "SPARQL_Results_CSV",
-    "tsv": "SPARQL_Results_TSV",
-    "turtle": "Turtle",
-    "ntriples": "N-Triples",
-    "jsonld": "JSON-LD",
-    "rdfxml": "RDF_XML",
-    "trig": "TriG",
-    "nquads": "N-Quads",
-}
-"""Our format names, mapped to the names registered at W3C (https://www.w3.org/ns/formats/)."""
-
 _COUNTS: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g ORDER BY ?g"
 _COUNT: Final = "SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }"
 
@@ -82,8 +67,9 @@ def _triples(endpoint: str, options: Options, counts: _Counts | None) -> Iterato
     if not options.no_union:
         yield Triple(service, _sd("feature"), _sd("UnionDefaultGraph"))
     yield Triple(service, _sd("feature"), _sd("EmptyGraphs"))
-    for name in dict.fromkeys(name for _, name in (*RESULTS, *GRAPH) if name in _FORMAT_NAMES):
-        yield Triple(service, _sd("resultFormat"), NamedNode(_FORMATS + _FORMAT_NAMES[name]))
+    for one in (*OF_RESULTS, *OF_GRAPHS):
+        if one.registered:
+            yield Triple(service, _sd("resultFormat"), NamedNode(_FORMATS + one.registered))
     yield Triple(service, _sd("defaultDataset"), dataset)
     yield Triple(dataset, RDF_TYPE, _sd("Dataset"))
     default = BlankNode("default")
@@ -112,8 +98,8 @@ def _updates(endpoint: str) -> Iterator[Triple]:
     yield Triple(service, RDF_TYPE, _sd("Service"))
     yield Triple(service, _sd("endpoint"), NamedNode(endpoint.rstrip("/").rpartition("/")[0] + "/update"))
     yield Triple(service, _sd("supportedLanguage"), _sd("SPARQL11Update"))
-    for name in dict.fromkeys(name for _, name in GRAPH):
-        yield Triple(service, _sd("inputFormat"), NamedNode(_FORMATS + _FORMAT_NAMES[name]))
+    for one in OF_GRAPHS:
+        yield Triple(service, _sd("inputFormat"), NamedNode(_FORMATS + one.registered))
 
 
 def _sd(name: str) -> NamedNode:

@@ -12,39 +12,19 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-from kg.query.formats import ALIASES
+from kg.query.formats import ALIASES, OF_GRAPHS, OF_RESULTS, Format
 from kg.server.errors import RequestError
 
-_RESULTS_JSON: Final = "application/sparql-results+json"
-_RESULTS_XML: Final = "application/sparql-results+xml"
 
-RESULTS: Final[Sequence[tuple[str, str]]] = (
-    (_RESULTS_JSON, "json"),
-    ("application/json", "json"),
-    (_RESULTS_XML, "xml"),
-    ("application/xml", "xml"),
-    ("text/csv", "csv"),
-    ("text/tab-separated-values", "tsv"),
-    ("text/xml", "xml"),
-    ("application/x-ndjson", "jsonl"),
-    ("text/markdown", "markdown"),
-    ("application/vnd.apache.parquet", "parquet"),
-)
+def _offered(formats: Sequence[Format], first: int) -> tuple[tuple[str, str], ...]:
+    """Return media types with their formats: the first few of each format come before all others."""
+    parts = (slice(first), slice(first, None))
+    return tuple((media, one.name) for part in parts for one in formats for media in one.media[part])
+
+
+RESULTS: Final = _offered(OF_RESULTS, 2)
 """Media types and formats of rows and booleans, the preferred one first."""
-
-GRAPH: Final[Sequence[tuple[str, str]]] = (
-    ("text/turtle", "turtle"),
-    ("application/n-triples", "ntriples"),
-    ("application/ld+json", "jsonld"),
-    ("application/rdf+xml", "rdfxml"),
-    ("application/trig", "trig"),
-    ("application/n-quads", "nquads"),
-    ("application/x-turtle", "turtle"),
-    ("text/plain", "ntriples"),
-    ("application/json", "jsonld"),
-    ("application/xml", "rdfxml"),
-    ("text/xml", "rdfxml"),
-)
+GRAPH: Final = _offered(OF_GRAPHS, 1)
 """Media types and formats of graphs, the preferred one first."""
 
 _N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))  # media types of Notation3, of which Turtle is a subset

@@ -15,7 +15,7 @@ from textual.message import Message
 from textual.widgets import DataTable, Static
 
 from kg.errors import KgError, Place, UsageError
-from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
+from kg.query.formats import BOOLEAN_FORMATS, BY_NAME, GRAPH_FORMATS, SOLUTION_FORMATS, write
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
 from kg.query.writing.values import display
@@ -216,23 +216,6 @@ def _cut(text: str, room: int, term: Term | None) -> Text:
     return Text(text, no_wrap=True, end="")
 
 
-_ENDINGS = {
-    "tsv": ".tsv",
-    "csv": ".csv",
-    "json": ".json",
-    "xml": ".xml",
-    "markdown": ".md",
-    "jsonl": ".jsonl",
-    "turtle": ".ttl",
-    "ntriples": ".nt",
-    "nquads": ".nq",
-    "trig": ".trig",
-    "jsonld": ".jsonld",
-    "rdfxml": ".rdf",
-    parquet.NAME: ".parquet",
-}
-
-
 def formats_of(result: Result) -> list[str]:
     """Return the formats for this kind of result, the most used first."""
     names = list(GRAPH_FORMATS if isinstance(result, Graph) else SOLUTION_FORMATS)
@@ -249,7 +232,7 @@ def file_formats_of(result: Result) -> list[str]:
 
 def format_of_name(path: str, result: Result) -> str | None:
     """Return the format of a file name's suffix, None for an unknown one."""
-    return next((name for name in file_formats_of(result) if path.lower().endswith(_ENDINGS[name])), None)
+    return next((name for name in file_formats_of(result) if path.lower().endswith(BY_NAME[name].ending)), None)
 
 
 def copied(result: Result, name: str) -> str:

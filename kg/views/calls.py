@@ -77,7 +77,7 @@ _MODULES: Final = {
 }
 """The views of each module by the names of their functions."""
 CALLS: Final[dict[str, View]] = {
-    "list": View("lists", "listing"),
+    "list": View("listing", "listing"),
     **{name: View(module, name) for module, names in _MODULES.items() for name in names.split()},
 }
 """Name to function."""

@@ -1,4 +1,4 @@
-"""Rows of the lists over the whole store, as plain values; `kg.views.lists` filters, sorts and pages them."""
+"""Rows of the lists over the whole store, as plain values; `kg.views.lists` declares the lists."""
 
 from __future__ import annotations
 
@@ -115,8 +115,8 @@ def channels(snapshot: EmbeddedSnapshot, base: str, kind: str) -> Rows:
         {
             "iri": iris.channel(kind, one.name),
             **asdict(one),
-            "giving": len(one.givers),
-            "taking": len(one.takers),
+            "giving": one.giving,
+            "taking": one.taking,
             "ends": _ends(one, kind),
             "packages": sorted({node.partition("/")[0] for node in (*one.givers, *one.takers)}),
         }
@@ -132,7 +132,7 @@ def _ends(one: overview.Channel, kind: str) -> str:
 
 
 def types(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
-    """Return the types of messages, services and actions, with the sources that define them and the nodes in need."""
+    """Return the types of messages, services and actions, with the sources that define them and the number of users."""
 
     def make() -> list[dict[str, Any]]:
         sources: defaultdict[str, list[str]] = defaultdict(list)
@@ -156,10 +156,7 @@ def types(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
 
 
 def classes(snapshot: EmbeddedSnapshot, _base: str, of: str) -> Rows:
-    """Return the functions or capabilities that nodes have, or hardware and devices that they work with.
-
-    Each has the number of nodes of each grade.
-    """
+    """Return functions or capabilities of nodes, or their hardware and devices, with the number of nodes by grade."""
 
     def make() -> list[dict[str, Any]]:
         grades: defaultdict[str, Counter[str]] = defaultdict(Counter)

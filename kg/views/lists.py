@@ -1,248 +1,455 @@
-"""Lists over the whole store, with facets, order and pages: the view `list`.
+"""The lists over the whole store: `LISTS` declares each once, for the view `list`, pages, commands and exports.
 
-`LISTS` has a line for each kind of thing. Its rows are computed once for a snapshot (`kg.views.list_rows`).
+`kg.views.list_rows` and `kg.views.vocabulary` make the rows; `kg.views.listing` filters, sorts and pages them.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import UsageError
-from kg.facts import Location
-from kg.settings import Settings, table
-from kg.similar import did_you_mean
-from kg.views import answers, list_rows, vocabulary
-from kg.views.arguments import whole as number
-from kg.views.evidence import places
-from kg.views.list_queries import query_of
-from kg.views.remembered import once
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
     from kg.store.snapshot import EmbeddedSnapshot
 
-    Row = dict[str, Any]
-    Rows = Sequence[Row]
+    Rows = Sequence[dict[str, Any]]
 
-UNCOUNTED: Final = frozenset({"findings", "classes", "properties"})
-"""Lists without a total: findings depend on kg.toml too, the vocabulary is counted for completions first."""
-_VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
+with lazily():
+    from kg.graph.ntriples import literal
+    from kg.views.list_rows import (
+        channels,
+        classes,
+        findings,
+        node_objects,
+        nodes,
+        packages,
+        parameters,
+        systems,
+        types,
+    )
+    from kg.views.vocabulary import classes as vocabulary_classes
+    from kg.views.vocabulary import properties as vocabulary_properties
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column: its title, its key in the rows, the shape of its cells, and their link.
+
+    `shape` is `text`, `mono`, `number`, `tags` or `place`. `to` is a path and its query parameters, each with the key
+    in the rows of its value. Tables of commands have the title `head` and drop `spare` columns on narrow terminals
+    (`kg.cli.output.Column`).
+    """
+
+    title: str
+    key: str
+    shape: str = "text"
+    to: tuple[str, Mapping[str, str]] | None = None
+    head: str = ""
+    spare: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Facet:
+    """A filter: its SPARQL pattern, and the key of the rows and the label, by default its name.
+
+    `%s` in the pattern is the value as a literal; filters with few values have a pattern for each. A filter that SPARQL
+    does not give exactly has none.
+    """
+
+    name: str
+    where: str | Mapping[str, str] | None = None
+    key: str = ""
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """The rows of a list as SPARQL, for readers who go on from it: head, patterns and end.
+
+    `rest` follows the patterns that filters add. `name` is the variable whose words are searched, empty where the list
+    also searches elsewhere.
+    """
+
+    head: str
+    where: Sequence[str]
+    end: str
+    name: str = ""
+    rest: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class List:
-    """A kind of list: what makes its rows, its facets by the key of the rows that each is of, which keys `text` is in.
+    """A list: its title, the singular name of its things, a sentence about it, its rows, and the columns of its page.
 
-    `objects` makes what other programs read of rows (docs/formats.md) where that is more than the rows themselves.
+    `words` are the keys that words are searched in. `many` is the plural, where it is not the title. `objects` makes
+    what other programs read of rows (docs/formats.md), where that is more than the rows themselves. `command` has the
+    columns in tables of commands, where they are not those of the page. There is no `query` where SPARQL does not give
+    the rows exactly.
     """
 
+    title: str
+    one: str
+    lead: str
     rows: Callable[[EmbeddedSnapshot, str], Rows]
-    facets: Mapping[str, str]
+    columns: Sequence[Column]
+    facets: Mapping[str, Facet] = field(default_factory=dict)
     words: Sequence[str] = ("name",)
+    query: Query | None = None
+    many: str = ""
     objects: Callable[[EmbeddedSnapshot, Rows], Rows] | None = None
+    command: Sequence[Column] = ()
+
+    @property
+    def in_commands(self) -> Sequence[Column]:
+        """The columns in tables of commands."""
+        return self.command or self.columns
+
+    def called(self, number: int) -> str:
+        """Return the name for a number of things."""
+        return self.one if number == 1 else self.many or self.title[0].lower() + self.title[1:]
+
+    def label(self, facet: str) -> str:
+        """Return the label of a filter."""
+        return self.facets[facet].label or facet.capitalize()
+
+    def query_of(self, words: Sequence[str], given: Mapping[str, str]) -> str | None:
+        """Return the query for the rows that have some words and values of filters; None if there is none."""
+        query = self.query
+        if query is None or (words and not query.name):
+            return None
+        added = [f"FILTER(CONTAINS(LCASE(STR({query.name})), {literal(word)}))" for word in words]
+        for name, value in given.items():
+            pattern = self.facets[name].where
+            if pattern is not None and not isinstance(pattern, str):
+                pattern = pattern.get(value)
+            if pattern is None:
+                return None
+            added.append(pattern.replace("%s", literal(value)))
+        patterns = "".join(f"  {line}\n" for line in (*query.where, *added, *query.rest))
+        return f"{query.head} WHERE {{\n{patterns}}}\n{query.end}\n"
 
 
-_OF_CHANNELS: Final = {"type": "types", "package": "packages", "ends": "ends"}
+_NODE: Final = Column("Node", "node", to=("/node", {"iri": "iri"}))
+_PACKAGE: Final = Column("Package", "package", to=("/nodes", {"package": "package"}))
+_KIND: Final = Column("Kind", "kind", "tags", spare=1)
+_ROS: Final = Column("ROS", "ros", "number")
+_INTERFACES: Final = tuple(
+    Column(title, key, "number", spare=2)
+    for title, key in (
+        ("Pub", "publishes"),
+        ("Sub", "subscribes"),
+        ("Srv", "services"),
+        ("Cli", "clients"),
+        ("Act", "actions"),
+        ("Par", "parameters"),
+    )
+)
+_PLACE: Final = Column("Line", "place", "place", head="file:line", spare=3)
+
+_OWNED: Final = "?owner a rnkg:Package ; rnkg:contains ?node ; rnkg:name ?package ."
+_TYPED: Final = "?end rnkg:implicit false ; (ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType)/rdfs:label %s ."
+_TYPES: Final = ("message", "service", "action")
+_OF_PACKAGE: Final = Facet("package", "VALUES ?package { %s }")
+_SOURCE: Final = Facet("repository", label="Source")
+_SOURCE_OF_NODE: Final = replace(_SOURCE, where="?source a rnkg:Repository ; rnkg:contains ?owner ; rnkg:name %s .")
+
+
+def _facets(*facets: Facet | str) -> dict[str, Facet]:
+    every = [Facet(one) if isinstance(one, str) else one for one in facets]
+    return {one.name: one for one in every}
+
+
+def _ros(subject: str) -> Facet:
+    return Facet("ros", f"{subject} rnkg:rosVersion ?ros . FILTER(STR(?ros) = %s)", label="ROS version")
+
+
+def _labelled(name: str, path: str, key: str) -> Facet:
+    return Facet(name, f"?node {path} ?{name}_ . ?{name}_ rdfs:label ?{name} . FILTER(STR(?{name}) = %s)", key)
+
+
+def _channels(kind: str, ends: str, giving: Sequence[str], taking: Sequence[str]) -> List:
+    """Return the list of a kind of channel; `giving` and `taking` are the titles of its ends, and those in commands."""
+    columns = (
+        Column("Name", "name", "mono", (f"/channel?kind={kind}", {"name": "name"}), head=kind),
+        Column("Types", "types", "mono", head="type"),
+        Column(giving[0], "giving", "number", head=giving[1], spare=1),
+        Column(taking[0], "taking", "number", head=taking[1], spare=1),
+        Column("Launch files", "systems", "number", spare=1),
+    )
+    patterns = (
+        f"VALUES ?class {{ {ends} }}",
+        "?end rnkg:declaredBy ?code .  # the end itself, or that of a launched node in the code",
+        "?code a ?class ; rnkg:implicit false .",
+        f"?end rnkg:connectsTo ?{kind} . ?{kind} rdfs:label ?name .",
+    )
+    return List(
+        f"{kind.capitalize()}s",
+        kind,
+        "Names in launched systems, after remapping, and of nodes started alone; none that only frameworks use.",
+        partial(channels, kind=kind),
+        (*columns, Column("Ends", "ends")),
+        _facets(Facet("type", key="types"), Facet("package", key="packages"), "ends"),
+        query=Query("SELECT DISTINCT ?name", patterns, "ORDER BY ?name", "?name"),
+        command=columns,
+    )
+
+
+def _classes(title: str, one: str, lead: str, properties: str, **more: Any) -> List:
+    """Return the list of the classes that `properties` of nodes have."""
+    columns = (
+        Column("Name", "name", to=("/resource", {"iri": "iri"})),
+        Column("Nodes", "nodes", "number", ("/nodes", {one.rpartition(" ")[2]: "name"})),
+        *(Column(title, title.lower(), "number") for title in ("Certain", "Strong", "Weak")),
+    )
+    patterns = (
+        f"VALUES ?property {{ {properties} }}",
+        "?node a rnkg:NodeType ; ?property ?class . ?class rdfs:label ?name .",
+    )
+    head = "SELECT ?class ?name (COUNT(DISTINCT ?node) AS ?nodes)"
+    query = Query(head, patterns, "GROUP BY ?class ?name ?property\nORDER BY ?name", "?name")
+    return List(title, one, lead, partial(classes, of=title.lower()), columns, query=query, **more)
+
+
 LISTS: Final[Mapping[str, List]] = {
     "nodes": List(
-        list_rows.nodes,
-        {
-            "package": "package",
-            "kind": "kind",
-            "function": "functions",
-            "hardware": "hardware",
-            "type": "types",
-            "capability": "capabilities",
-            "repository": "repository",
-            "ros": "ros",
-            "language": "language",
-        },
+        "Nodes",
+        "node",
+        "Every node that code or packages declare. Numbers leave out what frameworks create.",
+        nodes,
+        (_NODE, _PACKAGE, Column("Description", "description"), _KIND, _ROS, *_INTERFACES),
+        _facets(
+            _OF_PACKAGE,
+            Facet("kind", "?node rnkg:kind/skos:notation %s ."),
+            _labelled("function", "rnkg:hasFunction", "functions"),
+            _labelled("hardware", "rnkg:usesHardware|rnkg:usesDevice", "hardware"),
+            Facet("type", f"?node ros:hasComponent ?end . {_TYPED}", "types"),
+            _labelled("capability", "rnkg:hasCapability", "capabilities"),
+            _SOURCE_OF_NODE,
+            _ros("?node"),
+            Facet("language", "?node rnkg:language %s ."),
+        ),
         ("node", "package", "description", "plugin"),
-        list_rows.node_objects,
+        Query(
+            "SELECT DISTINCT ?package ?name ?node",
+            ("?node a rnkg:NodeType ; rnkg:name ?name .", _OWNED),
+            "ORDER BY ?package ?name",
+        ),
+        objects=node_objects,
+        command=(_PACKAGE, _NODE, _KIND, replace(_ROS, spare=2), *_INTERFACES, _PLACE),
     ),
     "packages": List(
-        list_rows.packages, {"repository": "repository", "ros": "ros", "deprecated": "deprecated"}, ("name", "folder")
+        "Packages",
+        "package",
+        "Every package of the sources.",
+        packages,
+        (
+            Column("Package", "name", to=("/resource", {"iri": "iri"})),
+            Column("Version", "version"),
+            _ROS,
+            Column("Nodes", "nodes", "number", ("/nodes", {"package": "name", "repository": "repository"})),
+            Column("Definitions", "definitions", "number"),
+            Column("Problems", "problems", "number"),
+            Column("Source", "repository", to=("/packages", {"repository": "repository"}), spare=1),
+            Column("Folder", "folder", "mono", spare=1),
+        ),
+        _facets(replace(_SOURCE, where="VALUES ?repository { %s }"), _ros("?package"), "deprecated"),
+        ("name", "folder"),
+        Query(
+            "SELECT DISTINCT ?name ?package ?repository",
+            (
+                "?package a rnkg:Package ; rnkg:name ?name .",
+                "?source a rnkg:Repository ; rnkg:contains ?package ; rnkg:name ?repository .",
+            ),
+            "ORDER BY ?name",
+        ),
     ),
-    "topics": List(partial(list_rows.channels, kind="topic"), _OF_CHANNELS),
-    "services": List(partial(list_rows.channels, kind="service"), _OF_CHANNELS),
-    "actions": List(partial(list_rows.channels, kind="action"), _OF_CHANNELS),
-    "types": List(list_rows.types, {"kind": "kind", "package": "package", "defined": "defined"}),
-    "hardware": List(partial(list_rows.classes, of="hardware"), {"kind": "kind"}),
-    "functions": List(partial(list_rows.classes, of="functions"), {}),
-    "capabilities": List(partial(list_rows.classes, of="capabilities"), {}),
+    "topics": _channels(
+        "topic", "ros:Publisher ros:Subscriber", ("Publishers", "publish"), ("Subscribers", "subscribe")
+    ),
+    "services": _channels("service", "ros:ServiceServer ros:ServiceClient", ("Servers", "offer"), ("Clients", "call")),
+    "actions": _channels("action", "rnkg:ActionServer rnkg:ActionClient", ("Servers", "offer"), ("Clients", "call")),
+    "types": List(
+        "Types",
+        "type",
+        "Types of messages, services and actions that nodes use or packages define.",
+        types,
+        (
+            Column("Type", "name", "mono", ("/resource", {"iri": "iri"})),
+            _KIND,
+            Column("Nodes", "nodes", "number", ("/nodes", {"type": "name"})),
+            Column("Defined", "defined"),
+            Column("Sources", "repositories"),
+        ),
+        _facets(
+            Facet("kind", {name: f"FILTER(?kind = rnkg:{name.capitalize()}Type)" for name in _TYPES}),
+            Facet("package", 'FILTER(STRBEFORE(?name, "/") = %s)'),
+            Facet(
+                "defined",
+                {
+                    "in this store": "FILTER EXISTS { ?definition rnkg:defines ?type }",
+                    "elsewhere": "FILTER NOT EXISTS { ?definition rnkg:defines ?type }",
+                },
+            ),
+        ),
+        query=Query(
+            "SELECT DISTINCT ?name ?type ?kind",
+            (
+                "VALUES ?kind { rnkg:MessageType rnkg:ServiceType rnkg:ActionType }",
+                "?type a ?kind ; rdfs:label ?name .",
+            ),
+            "ORDER BY ?name",
+            "?name",
+        ),
+    ),
+    "hardware": _classes(
+        "Hardware",
+        "kind of hardware",
+        "Kinds of hardware and known devices that nodes work with, with the number of nodes by grade of evidence.",
+        "rnkg:usesHardware rnkg:usesDevice",
+        facets=_facets(
+            Facet(
+                "kind",
+                {"kind": "FILTER(?property = rnkg:usesHardware)", "device": "FILTER(?property = rnkg:usesDevice)"},
+            )
+        ),
+        many="kinds of hardware",
+    ),
+    "functions": _classes(
+        "Functions",
+        "function",
+        "What nodes are for, with the number of nodes by grade of evidence.",
+        "rnkg:hasFunction",
+    ),
+    "capabilities": _classes(
+        "Capabilities",
+        "capability",
+        "What nodes enable a robot to do, with the number of nodes by grade of evidence. "
+        "Nodes with weak evidence alone are not in the first number.",
+        "rnkg:hasCapability",
+    ),
     "systems": List(
-        list_rows.systems,
-        {"package": "package", "repository": "repository", "ros": "ros", "use": "use", "worst": "worst"},
+        "Launch files",
+        "launch file",
+        "Every launch file, evaluated with the defaults of its arguments: the nodes it starts and their connections.",
+        systems,
+        (
+            Column("Launch file", "name", to=("/system", {"name": "iri"})),
+            Column("Source", "repository", to=("/systems", {"repository": "repository"})),
+            _ROS,
+            *(Column(title, title.lower(), "number") for title in ("Nodes", "Topics", "Services", "Actions")),
+            Column("Findings", "problems", "number"),
+            Column("Worst", "worst", "tags"),
+            Column("Use", "use"),
+        ),
+        _facets(
+            "package",
+            _SOURCE,
+            _ros("?system"),
+            Facet(
+                "use",
+                {
+                    "included by others": "FILTER EXISTS { ?other rnkg:includes ?system }",
+                    "started by itself": "FILTER NOT EXISTS { ?other rnkg:includes ?system }",
+                },
+            ),
+            Facet("worst", label="Worst finding"),
+        ),
         ("name", "repository"),
+        Query(
+            "SELECT DISTINCT ?name ?system",
+            ("?system a rnkg:LaunchConfiguration ; rnkg:name ?name .",),
+            "ORDER BY ?name",
+        ),
     ),
     "parameters": List(
-        list_rows.parameters,
-        {
-            "package": "package",
-            "node": "node",
-            "type": "type",
-            "access": "access",
-            "repository": "repository",
-            "name": "name",
-        },
+        "Parameters",
+        "parameter",
+        "Parameters of nodes, without those that frameworks create.",
+        parameters,
+        (
+            Column("Parameter", "name", "mono", ("/parameters", {"name": "name"})),
+            _NODE,
+            _PACKAGE,
+            Column("Type", "type", "mono"),
+            Column("Default", "default", "mono"),
+            Column("Access", "access", "tags"),
+            Column("Description", "description"),
+            _PLACE,
+        ),
+        _facets(
+            _OF_PACKAGE,
+            Facet("node", "VALUES ?node_name { %s }"),
+            "type",
+            Facet("access", "?parameter rnkg:access/skos:notation %s ."),
+            _SOURCE_OF_NODE,
+            Facet("name", "?parameter rnkg:name %s ."),
+        ),
         ("name", "node", "description"),
+        Query(
+            "SELECT DISTINCT ?package ?node_name ?node ?name",
+            ("?node a rnkg:NodeType ; rnkg:name ?node_name .", _OWNED, "?node rnkg:hasParameter ?parameter ."),
+            "ORDER BY ?package ?node_name ?name",
+            rest=("MINUS { ?parameter rnkg:implicit true }", "OPTIONAL { ?parameter rnkg:name ?name }"),
+        ),
     ),
     "findings": List(
-        list_rows.findings,
-        {"severity": "severity", "code": "code", "package": "package", "system": "system", "repository": "repository"},
+        "Findings",
+        "finding",
+        "Problems in the wiring of launch files, as `kg lint` reports them.",
+        findings,
+        (
+            Column("Severity", "severity", "tags"),
+            Column("Code", "code", "mono", ("/findings", {"code": "code"})),
+            Column("Message", "message", to=("/resource", {"iri": "iri"})),
+            Column("Launch file", "system", to=("/system", {"name": "system", "repository": "repository"})),
+            _PLACE,
+        ),
+        _facets("severity", "code", "package", Facet("system", label="Launch file"), _SOURCE),
         ("message", "system", "rule"),
     ),
-    "classes": List(vocabulary.classes, {"vocabulary": "vocabulary", "parent": "parents"}, ("name", "description")),
-    "properties": List(
-        vocabulary.properties,
-        {"vocabulary": "vocabulary", "subject": "subjects", "value": "values"},
+    "classes": List(
+        "Classes",
+        "class",
+        "Classes with instances in this store, and the properties of these, counted in a sample of large classes.",
+        vocabulary_classes,
+        (
+            Column("Class", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Instances", "instances", "number", ("/resource?predicate=rdf:type&direction=in", {"iri": "iri"})),
+            Column("Subclass of", "parents", "mono"),
+            Column("Properties", "properties", "number", ("/properties", {"subject": "name"})),
+            Column("Most used", "first", "mono"),
+            Column("Meaning", "description"),
+        ),
+        _facets("vocabulary", Facet("parent", key="parents", label="Subclass of")),
         ("name", "description"),
+        Query(
+            "SELECT ?class (COUNT(DISTINCT ?instance) AS ?instances)",
+            ("?instance a ?class FILTER(ISIRI(?class))",),
+            "GROUP BY ?class\nORDER BY DESC(?instances)",
+        ),
+    ),
+    "properties": List(
+        "Properties",
+        "property",
+        "Properties with facts in this store, and the classes that they connect, the most frequent first.",
+        vocabulary_properties,
+        (
+            Column("Property", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Facts", "facts", "number"),
+            Column("From", "first_subjects", "mono"),
+            Column("To", "first_values", "mono"),
+            Column("Meaning", "description"),
+        ),
+        _facets("vocabulary", Facet("subject", key="subjects", label="From"), Facet("value", key="values", label="To")),
+        ("name", "description"),
+        Query(
+            "SELECT ?property (COUNT(*) AS ?facts)",
+            ("?subject ?property ?value",),
+            "GROUP BY ?property\nORDER BY DESC(?facts)",
+        ),
     ),
 }
-"""Name to list."""
-
-
-def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True) -> dict[str, int]:
-    """Return how many rows lists have, without those `UNCOUNTED`, and `message types` the list of types.
-
-    It makes all lists; without `wait` nothing is returned where they have not been made before.
-    """
-
-    def make() -> dict[str, int]:
-        rows = {of: every_row(snapshot, of, settings.base, "") for of in LISTS if of not in UNCOUNTED}
-        messages = sum(row["kind"] == "message" for row in rows["types"])
-        return {**{of: len(each) for of, each in rows.items()}, "message types": messages}
-
-    return answers.totals(snapshot, make if wait else None)
-
-
-def listing(  # noqa: PLR0913 - what a list can be asked
-    snapshot: EmbeddedSnapshot,
-    settings: Settings,
-    *,
-    of: str,
-    text: str = "",
-    sort: str = "",
-    offset: str = "0",
-    limit: str = "",
-    whole: str = "",
-    **facets: str,
-) -> dict[str, Any]:
-    """Return the rows of the list `of` that have all words of `text` and the values of `facets`.
-
-    `sort` is a key of the rows, with `-` before it for the other direction; rows without a value come last. With a
-    `limit` (else all rows from `offset` on are there) each row also has `place`, null where it names no file (see
-    `kg.views.evidence`). With `whole` (any text) rows are as other programs read them (docs/formats.md).
-
-    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `query`
-    (SPARQL for the chosen rows, None where there is none), `rows`, and `facets`: for each the objects `{"value",
-    "count"}` of the values that rows have which fit everything else, the most frequent first.
-
-    Raises UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
-    """
-    kind = LISTS.get(of)
-    if kind is None:
-        raise UsageError("KG003", f"unknown list `{of}`", hint=f"Valid lists: {', '.join(LISTS)}.")
-    given = {name: value.strip() for name, value in facets.items() if value.strip()}
-    for name in given:
-        if name not in kind.facets:
-            hint = did_you_mean(name, kind.facets) or f"Valid filters: {', '.join(kind.facets) or 'none'}."
-            raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
-    allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
-    rows = every_row(snapshot, of, settings.base, allowed)
-    words = text.lower().split()
-    selected, counts = _chosen(kind, rows, words, given)
-    selected = _sorted(selected, sort, rows)
-    start, most = number(offset, 0), number(limit, 0)
-    shown = selected[start : start + most] if most else selected[start:]
-    if whole and kind.objects:
-        shown = list(kind.objects(snapshot, shown))
-    elif most and not whole:
-        shown = list(_placed(snapshot, shown))
-    return {
-        "of": of,
-        "all": len(rows),
-        "total": len(selected),
-        "offset": start,
-        "sort": sort,
-        "facets": {name: _offered(counts[name], given.get(name)) for name in kind.facets},
-        "query": query_of(of, words, given),
-        "rows": shown,
-    }
-
-
-@once
-def every_row(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
-    """Return all rows of a list, made once for a snapshot."""
-    return LISTS[of].rows(snapshot, base)
-
-
-def _chosen(
-    kind: List, rows: Rows, words: Sequence[str], given: Mapping[str, str]
-) -> tuple[list[Row], dict[str, Counter[str]]]:
-    """Return the rows that fit, and for each facet how many rows of each value fit all others."""
-    counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
-    chosen = []
-    for row in rows:
-        text = " ".join(str(row[key] or "") for key in kind.words).lower() if words else ""
-        if not all(word in text for word in words):
-            continue
-        values = {name: _texts(row[key]) for name, key in kind.facets.items()}
-        failed = [name for name, value in given.items() if value not in values[name]]
-        if not failed:
-            chosen.append(row)
-            for name, texts in values.items():
-                counts[name].update(texts)
-        elif len(failed) == 1:
-            counts[failed[0]].update(values[failed[0]])
-    return chosen, counts
-
-
-def _texts(value: Any) -> tuple[str, ...]:
-    """Return the facet values of a value: those of a list, none for None, yes or no for a truth value."""
-    if value is None or value == "":
-        return ()
-    if isinstance(value, bool):
-        return ("yes" if value else "no",)
-    return tuple(map(str, value)) if isinstance(value, list | tuple) else (str(value),)
-
-
-def _offered(counts: Counter[str], given: str | None) -> list[dict[str, Any]]:
-    """Return the values of a facet with their numbers of rows; the one that is given is among them."""
-    ordered = sorted(counts.items(), key=lambda one: (-one[1], one[0]))[:_VALUES]
-    if given and all(value != given for value, _ in ordered):
-        ordered.append((given, counts[given]))
-    return [{"value": value, "count": number} for value, number in ordered]
-
-
-def _sorted(rows: list[Row], sort: str, every: Rows) -> list[Row]:
-    key = sort.removeprefix("-")
-    if not key or not every:
-        return rows
-    if key not in every[0]:
-        raise UsageError("KG003", f"rows have no `{key}` to sort by", hint=f"Sort by {', '.join(every[0])}.")
-    filled = [row for row in rows if row[key] not in (None, "")]
-    empty = [row for row in rows if row[key] in (None, "")]
-    return sorted(filled, key=lambda row: _order(row[key]), reverse=sort.startswith("-")) + empty
-
-
-def _order(value: Any) -> tuple[float, str]:
-    """Return the sort key of a value: numbers as such, texts and lists of texts as texts, without their case."""
-    if isinstance(value, int | float):
-        return value, ""
-    return 0, (value if isinstance(value, str) else ", ".join(map(str, value))).lower()
-
-
-def _placed(snapshot: EmbeddedSnapshot, rows: Rows) -> Iterator[Row]:
-    """Yield rows with the places of those that name a file."""
-    where = places(snapshot)
-    for row in rows:
-        file = row.get("file")
-        source = row.get("repository")
-        place = where.evidence(source, Location(file, row.get("line") or 0)) if file and source else None
-        yield {**row, "place": place}
+"""Name to list; the name is also the path of its page."""

@@ -1,4 +1,4 @@
-"""Things of every list by their name: the view `named`."""
+"""The view `named`: search in the names of all lists."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from heapq import nsmallest
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.views.arguments import whole
-from kg.views.lists import LISTS, every_row
+from kg.views.listing import every_row
+from kg.views.lists import LISTS
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _all(snapshot: EmbeddedSnapshot, base: str) -> list[_Named]:
 
 
 def _of(snapshot: EmbeddedSnapshot, base: str, of: str) -> Iterator[_Named]:
-    key = "node" if of == "nodes" else "name"
+    key = LISTS[of].columns[0].key
     listed = [row for row in every_row(snapshot, of, base, "") if row[key]]
     if of == "parameters":
         uses = Counter(row["name"] for row in listed)

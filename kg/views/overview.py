@@ -14,7 +14,7 @@ from kg.query.result import Solutions
 from kg.query.stored import find
 from kg.views.complete import cache_of
 from kg.views.find import search_over
-from kg.views.lists import totals
+from kg.views.listing import totals
 from kg.views.remembered import once
 from kg.views.stored import query_object
 from kg.views.systems import configuration_names
@@ -64,7 +64,7 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     `snapshot` is the identity of the snapshot. `sources` has for each source `name`, `remote`, `branch`, `commit`,
     `dirty`, `read` (ISO 8601), `version` (of `kg`), `root` (its folder, None if it was not on this machine), and the
     counts `packages`, `nodes`, `interfaces`, `unresolved`, `files`, `problems`. `counts` maps lists (see
-    `kg.views.lists.totals`) to how many rows they have; it is empty while those of a large store have not been made.
+    `kg.views.listing.totals`) to how many rows they have; it is empty while those of a large store have not been made.
     `systems` is how many launch configurations. `unresolved` and `interfaces` are sums over the sources. `questions`
     are objects of `stored` without their text, with `question` (as people say it), and in `parameters` an `example`
     that this store has.

@@ -57,7 +57,7 @@ def test_numbers_are_dropped_before_names_are_broken(monkeypatch: pytest.MonkeyP
     names = ("regulated_pursuit_controller", "RegulatedPursuitController")
     row = (*names, "plugin", 2, 1, 1, 0, 0, 0, 25, "controller/src/regulated_pursuit_controller.cpp:35")
     drawn = io.StringIO()
-    Console(file=drawn, width=60).print(output.make_table(lists.COLUMNS, [row]))
+    Console(file=drawn, width=60).print(output.make_table(lists.table_columns("nodes"), [row]))
     assert f"{names[0]}  {names[1]}" in drawn.getvalue()
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from graph.samples import source_triples
 from hypothesis import given
 from hypothesis import strategies as st
 from pyoxigraph import NamedNode
@@ -15,6 +16,18 @@ from pyoxigraph import NamedNode
 from kg.evaluate.code_check import Places, Site, check_code, holds, sites, statement_end, without_words
 from kg.evaluate.sheet import STATED, Fact, SourceLines
 from kg.evaluate.tables import Share, weighed
+from kg.facts import (
+    Interface,
+    Location,
+    NodeKind,
+    NodeType,
+    Package,
+    PackageFacts,
+    PluginSlot,
+    Repository,
+    Resolution,
+    Role,
+)
 from kg.graph.iris import Iris
 from kg.graph.source_states import sources
 from kg.store.embedded import EmbeddedStore
@@ -22,7 +35,6 @@ from kg.store.embedded import EmbeddedStore
 if TYPE_CHECKING:
     from evaluate.conftest import Field
 
-NS = "https://w3id.org/rnkg/ns#"
 CASES = Path(__file__).parent / "cases"
 FACT = Fact("publishes", "r", "p", "n", "~/ns/scan", None, None, "r", "a.cpp", 2)
 
@@ -140,18 +152,17 @@ def test_groups_are_weighed_by_their_size() -> None:
 
 def test_what_is_no_end_has_no_place(tmp_path: Path) -> None:
     """A slot for plugins read by a helper is neither end nor parameter; the publisher next to it has its call."""
-    graph = NamedNode(Iris("https://w3id.org/rnkg/").source_graph("r"))
-    a = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
-    triples = f"""<urn:r> {a} <{NS}Repository> .
-<urn:r> <{NS}name> "r" .
-<urn:slot> {a} <{NS}PluginSlot> .
-<urn:slot> <{NS}via> "a.cpp:3" .
-<urn:end> {a} {STATED["publishes"]} .
-<urn:end> <{NS}via> "b.cpp:4" .
-"""
+    here = Location("a.cpp", 1)
+    end = Interface(Role.PUBLISHES, "scan", None, Resolution.LITERAL, here, via=(Location("b.cpp", 4),))
+    slot = PluginSlot(None, here, reason="it is computed", via=(Location("a.cpp", 3),))
+    node = NodeType("n", NodeKind.EXECUTABLE, "cpp", 1, here, interfaces=(end,), slots=(slot,))
+    facts = PackageFacts("r", Package("p", "p", 1, Location("p/package.xml", 1)), (node,))
+    iris = Iris()
     store = EmbeddedStore.create(tmp_path / ".kg")
     with store.write("test") as transaction:
-        transaction.load(graph, [triples.encode()])
+        triples = source_triples(Repository("r", "/r", None), [facts], iris)
+        transaction.load(NamedNode(iris.source_graph("r")), [triples])
     with store.read() as snapshot:
         places = Places(snapshot)
+    assert not any(places.has(relation, ("r", "a.cpp"), 3, 3) for relation in STATED)
     assert places.has("publishes", ("r", "b.cpp"), 4, 4)

@@ -11,18 +11,12 @@ from urllib.parse import unquote_plus
 
 import pytest
 
-from kg.server.pages.lists import LISTS
-from kg.views import lists
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
     from starlette.testclient import TestClient
 
 _EVERY = pytest.mark.parametrize("name", LISTS)
-
-
-def test_every_list_has_a_page() -> None:
-    """Pages and the view list the same kinds."""
-    assert list(LISTS) == list(lists.LISTS)
 
 
 @_EVERY

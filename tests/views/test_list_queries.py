@@ -8,7 +8,8 @@ import pytest
 
 from kg.query.core import run
 from kg.query.result import Solutions
-from kg.views.lists import LISTS, listing
+from kg.views.listing import listing
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
     from kg.settings import Settings

@@ -9,7 +9,8 @@ import pytest
 
 from kg.errors import UsageError
 from kg.views import answers
-from kg.views.lists import LISTS, listing
+from kg.views.listing import listing
+from kg.views.lists import LISTS
 from kg.views.system import lint
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.stored import find
-from kg.views.lists import LISTS, UNCOUNTED, listing
+from kg.views.listing import UNCOUNTED, listing
+from kg.views.lists import LISTS
 from kg.views.overview import QUESTIONS, overview
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kg.query.rows import rows
 from kg.syntax.names import PREFIXES
-from kg.views.lists import listing
+from kg.views.listing import listing
 
 if TYPE_CHECKING:
     from kg.settings import Settings

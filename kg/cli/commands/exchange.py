@@ -36,6 +36,7 @@ with lazily():
     from kg.pipeline.snapshots import publish as write
     from kg.pipeline.snapshots import pull as fetch
     from kg.pipeline.updating.ownership import protected_graphs
+    from kg.query import formats
     from kg.query.writing import parquet
     from kg.rules.reading import user_folders
     from kg.search.searching import open_search
@@ -180,15 +181,7 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     ending = _ending(name, output)
     if not ending:
         return None
-    others = {
-        "nquads": RdfFormat.N_QUADS,
-        "ntriples": RdfFormat.N_TRIPLES,
-        "turtle": RdfFormat.TURTLE,
-        "json-ld": RdfFormat.JSON_LD,
-        "rdfxml": RdfFormat.RDF_XML,
-        "xml": RdfFormat.RDF_XML,
-    }
-    form = RdfFormat.from_extension(ending) or others.get(ending)
+    form = RdfFormat.from_extension(ending) or formats.GRAPH_FORMATS.get(formats.ALIASES.get(ending, ending))
     if "/" in ending:
         form = RdfFormat.from_media_type(ending)
     if form is None:

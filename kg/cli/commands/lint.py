@@ -13,8 +13,9 @@ from typing import Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import colored, dim, excerpt, head, helps, linked, note, say
-from kg.cli.options import Form, Json, PackageName, argument, option, require_valid, takes, with_settings
-from kg.cli.output import json_lines, write
+from kg.cli.options import Json, PackageName, argument, option, takes, with_settings
+from kg.cli.output import write
+from kg.cli.remarks import Form, require_valid, totals, write_remarks
 from kg.cli.systems import (
     Arguments,
     Environment,
@@ -25,7 +26,7 @@ from kg.cli.systems import (
     report_left_out,
     report_left_out_parts,
 )
-from kg.codes import CATALOGUE, SEVERITIES
+from kg.codes import CATALOGUE
 from kg.errors import Exit, Place, UsageError
 from kg.facts import Location
 from kg.lazily import lazily
@@ -46,7 +47,6 @@ with lazily():
     from kg.lint.objects import as_object, remark, spelled, suite_name, xunit
     from kg.lint.report import Report, merged
     from kg.lint.running import Checked, check_store, read_folders
-    from kg.render.sarif import annotation, document
     from kg.views.names import require_package
 
 
@@ -141,18 +141,10 @@ def _folder(folders: list[Path]) -> Path:
 
 
 def _write(checked: "Checked", form: str) -> None:
-    findings = checked.report.findings
-    here = Path.cwd()
-    if form == "json":
-        json_lines(map(as_object, findings))
-    elif form == "sarif":
-        json_lines([document([remark(one, checked.roots, here) for one in findings])])
-    elif form == "github":
-        for one in findings:
-            write(annotation(remark(one, checked.roots, here)))
-    else:
-        for line in LintView(checked, Links.of(checked.sources), here, color=colored(sys.stdout)).lines():
-            write(line)
+    findings, here = checked.report.findings, Path.cwd()
+    view = LintView(checked, Links.of(checked.sources), here, color=colored(sys.stdout))
+    remarks = (remark(one, checked.roots, here) for one in findings)
+    write_remarks(form, lines=view.lines(), objects=map(as_object, findings), remarks=remarks)
 
 
 def _write_xunit(checked: "Checked", file: Path, seconds: float) -> None:
@@ -254,18 +246,17 @@ def _kind(finding: "Finding") -> tuple[object, ...]:
 def summary(checked: "Checked") -> "Iterator[str]":
     """Yield the summary: number of findings, and stale entries of the allow-list and the baseline."""
     report = checked.report
-    sums = Counter(one.severity for one in report.findings)
-    totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
+    found = totals(one.severity for one in report.findings)
     groups = {_kind(one) for one in report.findings}
     if len(groups) < len(report.findings):
-        totals += f" in {count(len(groups), 'group')}"
+        found += f" in {count(len(groups), 'group')}"
     aside = [
         f"{len(group):,} {words}"
         for group, words in ((report.allowed, "allowed"), (report.baselined, "in the baseline"))
         if group
     ]
-    totals = totals or ("nothing wrong" if checked.systems else "no launch files found")
-    yield f"{count(checked.systems, 'system')} checked: {'; '.join([totals, *aside])}"
+    found = found or ("nothing wrong" if checked.systems else "no launch files found")
+    yield f"{count(checked.systems, 'system')} checked: {'; '.join([found, *aside])}"
     numbers = Counter(one.code for one in report.findings)
     repeated = sorted(code for code, number in numbers.items() if number > 1 and code in CATALOGUE)
     if repeated:

@@ -1,7 +1,6 @@
 """`kg nodes`, `packages`, `files`, `topics`, `services` and `actions`: lists over the whole store."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -13,9 +12,14 @@ from kg.render.text import count, some
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kg.graph.reading.overview import Channel
     from kg.store.snapshot import EmbeddedSnapshot
+    from kg.views import lists
 
 
 with lazily():
@@ -38,18 +42,7 @@ def packages(*, settings: Settings, json: Json = False) -> None:
     """
     with reading(settings) as snapshot:
         listed = overview.packages(snapshot)
-    columns = (
-        Column("package", "name"),
-        Column("version"),
-        *numbers("ros", "nodes", "definitions", "problems"),
-        Column("source", "dim", spare=1),
-        Column("folder", "dim", spare=1),
-    )
-    rows = [
-        (one.name, one.version, one.ros, one.nodes, one.definitions, one.problems, one.repository, one.folder)
-        for one in listed
-    ]
-    listing(columns, rows, objects=map(asdict, listed) if json else None)
+    _table("packages", listed, objects=map(asdict, listed) if json else None)
     if terminal() and not json:
         note(count(len(listed), "package"))
 
@@ -120,42 +113,56 @@ def actions(*, settings: Settings, every: All = False, json: Json = False) -> No
 
 def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
     with reading(settings) as snapshot:
-        rows = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
-    channel_rows(kind, rows, json=json)
+        listed = channels(snapshot, kind, implicit=every)
+    _table(f"{kind}s", listed, objects=(_channel_object(kind, one) for one in listed) if json else None)
     if terminal() and not json:
-        note(count(len(rows), kind))
+        note(count(len(listed), kind))
 
 
-def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
-    """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
-    verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
-    columns = (Column(kind, "name"), Column("type"), *numbers(*verbs, "launch files", spare=1))
-    most = 2 if terminal() else _UNBOUNDED  # types in a row
-    rows = [
-        (one["name"], some(one["types"], most), len(one["givers"]), len(one["takers"]), one["systems"])
-        for one in listed
+def _channel_object(kind: str, channel: "Channel") -> dict[str, object]:
+    givers, takers = ("published_by", "subscribed_by") if kind == "topic" else ("offered_by", "called_by")
+    return {
+        kind: channel.name,
+        "types": channel.types,
+        givers: channel.givers,
+        takers: channel.takers,
+        "systems": channel.systems,
+    }
+
+
+def channel_rows(kind: str, listed: "Iterable[Mapping[str, Any]]") -> None:
+    """Write topics, services or actions as a table, from the fields of `kg.graph.reading.overview.Channel`."""
+    _table(f"{kind}s", [overview.Channel(**one) for one in listed])
+
+
+def _table(of: str, listed: "Sequence[object]", *, objects: "Iterable[Any] | None" = None) -> None:
+    """Write the list `of`; what is listed has the keys of its columns as attributes."""
+    keys = [one.key for one in LISTS[of].in_commands]
+    most = 2 if terminal() else _UNBOUNDED  # of several values in a cell
+    rows = [[_cell(getattr(one, key), most) for key in keys] for one in listed] if objects is None else ()
+    listing(table_columns(of), rows, objects=objects)
+
+
+def table_columns(of: str) -> list[Column]:
+    """Return the columns of a list of `kg.views.lists` as commands show them."""
+    return [
+        Column(one.head or one.title.lower(), _kind(one, LISTS[of].columns[0]), one.spare)
+        for one in LISTS[of].in_commands
     ]
-    givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
-    objects = (
-        {
-            kind: one["name"],
-            "types": one["types"],
-            givers: one["givers"],
-            takers: one["takers"],
-            "systems": one["systems"],
-        }
-        for one in listed
-    )
-    listing(columns, rows, objects=objects if json else None)
 
 
-COLUMNS: Final = (
-    Column("package"),
-    Column("node", "name"),
-    Column("kind", spare=1),
-    *numbers("ros", "pub", "sub", "srv", "cli", "act", "par", spare=2),
-    Column("file:line", "dim", spare=3),
-)
+def _kind(column: "lists.Column", name: "lists.Column") -> str:
+    if column.key == name.key:
+        return "name"
+    if column.shape == "number":
+        return "number"
+    return "dim" if column.spare and column.shape != "tags" else "text"
+
+
+def _cell(value: object, most: int) -> object:
+    return some(value, most) if isinstance(value, list | tuple) else value
+
+
 Kind = Annotated[str | None, option("--kind KIND", "Only executable, script, nodelet, component, plugin or class.")]
 
 
@@ -179,7 +186,7 @@ def nodes(*, settings: Settings, package: PackageName = None, kind: Kind = None,
         if json:
             _objects(snapshot, package, kind)
         else:
-            _table(snapshot, package, kind)
+            _summaries(snapshot, package, kind)
 
 
 def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
@@ -190,16 +197,12 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
         return
 
     records = [one for one in node_records(snapshot, package=package) if kind in {None, one.node.kind}]
-    listing(COLUMNS, (), objects=map(node_object, records))
+    _table("nodes", (), objects=map(node_object, records))
 
 
-def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
+def _summaries(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
     listed = [one for one in every if kind in {None, one.kind}]
-    rows = []
-    for one in listed:
-        ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
-        rows.append((one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)))
-    listing(COLUMNS, rows)
+    _table("nodes", listed)
     if terminal():
         note(f"{count(len(listed), 'node')}; `kg node NAME` shows one")

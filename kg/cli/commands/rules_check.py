@@ -2,8 +2,7 @@
 
 import sys
 import time
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from itertools import groupby
@@ -14,8 +13,9 @@ import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import colored, note, render, report, say
-from kg.cli.options import Form, Json, Level, argument, is_given, option, require_valid, with_settings
+from kg.cli.options import Json, argument, is_given, option, with_settings
 from kg.cli.output import json_lines, show, terminal, write
+from kg.cli.remarks import Form, Level, require_valid, totals, write_remarks
 from kg.codes import SEVERITIES
 from kg.errors import Exit, StoreError
 from kg.lazily import lazily
@@ -28,12 +28,11 @@ with lazily():
     from kg.cli.commands.rules import change_lines, difference_words, result_lines
     from kg.pipeline.reasoning import check_context, rule_folders
     from kg.pipeline.watching import Glance, glances
-    from kg.render.sarif import annotation
     from kg.resources import folder
     from kg.rules.authoring.library import Entry, Library
     from kg.rules.authoring.starting import choose
     from kg.rules.authoring.testing import Result, parted, result_object, run_examples
-    from kg.rules.checks.finding import Finding, as_object, remark, sarif
+    from kg.rules.checks.finding import Finding, as_object, remark
     from kg.rules.checks.run import Read, read_all
     from kg.rules.checks.run import check as run
     from kg.rules.reading import families_in_force, packs
@@ -70,7 +69,12 @@ def check(  # noqa: PLR0913 - the options of a command
     seconds = (settings.timeout or None) if is_given(settings, "timeout") else SECONDS
     findings, checked = _check(settings, names or [], seconds, every=every)
     shown = [one for one in findings if SEVERITIES.index(one.severity) <= SEVERITIES.index(level)]
-    _write(shown, form, checked)
+    root = Path.cwd() if form == "sarif" else None
+    remarks = (remark(one, root) for one in shown)
+    write_remarks(form, lines=_lines(shown), objects=map(as_object, shown), remarks=remarks)
+    if form == "text":
+        found = totals(one.severity for one in shown)
+        say(f"{count(checked, 'rule')} checked: {found or 'nothing wrong'}")
     if any(one.severity != "note" for one in shown):
         raise typer.Exit(Exit.FOUND)
 
@@ -105,21 +109,10 @@ def _wanted(files: "Read", names: list[str], *, every: bool) -> list[str]:
     return list(dict.fromkeys(wanted))
 
 
-def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
-    if form == "json":
-        json_lines(map(as_object, findings))
-    elif form == "sarif":
-        json_lines([sarif(findings, Path.cwd())])
-    elif form == "github":
-        for one in findings:
-            write(annotation(remark(one)))
-    else:
-        for one in findings:
-            write(render(one.error, color=colored(sys.stdout), severity=one.severity))
-            write()
-        sums = Counter(one.severity for one in findings)
-        totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
-        say(f"{count(checked, 'rule')} checked: {totals or 'nothing wrong'}")
+def _lines(findings: "Iterable[Finding]") -> "Iterator[str]":
+    for one in findings:
+        yield render(one.error, color=colored(sys.stdout), severity=one.severity)
+        yield ""
 
 
 _FEW = 3  # so many rules without examples are named; of more, how many there are

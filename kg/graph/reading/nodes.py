@@ -284,7 +284,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
         nodes[owner.partition("#")[0]].append(owner)
     by_node: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
     for iri, fact in _facts(graph, properties_in(graph, _PARTS % those)).items():
-        interfaces, parameters = by_node[owner_of(iri, nodes)]
+        interfaces, parameters = by_node[_owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
         else:
@@ -324,7 +324,7 @@ def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[s
     return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in properties_in(graph, _QOS % few).items()}
 
 
-def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
+def _owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
     """Return the node that a part belongs to: its IRI is a fragment of that of its node (`kg.graph.iris.fragment`).
 
     `nodes` has the IRIs of nodes by their part before the fragment; only nodes of one name have one of their own.

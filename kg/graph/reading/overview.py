@@ -172,10 +172,10 @@ class NodeSummary:
 
     repository: str
     package: str
-    name: str
+    node: str
     kind: NodeKind
     ros: int
-    location: Location
+    place: Location
     publishes: int
     subscribes: int
     services: int
@@ -196,6 +196,16 @@ class Channel:
     givers: tuple[str, ...]
     takers: tuple[str, ...]
     systems: int
+
+    @property
+    def giving(self) -> int:
+        """Number of nodes that publish to the topic, or serve."""
+        return len(self.givers)
+
+    @property
+    def taking(self) -> int:
+        """Number of nodes that subscribe, or call."""
+        return len(self.takers)
 
 
 def packages(graph: Queryable) -> list[PackageSummary]:
@@ -246,7 +256,7 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
         )
         for iri, repository, owner, name, kind, ros, path, line in texts(graph, _NODES % those)
     )
-    return sorted(summaries, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
+    return sorted(summaries, key=lambda one: (one.repository, one.package, one.node, str(one.place)))
 
 
 def package_names(graph: Queryable) -> list[str]:

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Fix, Place, RuleError
-from kg.render.sarif import Remark, Spot, document
+from kg.render.sarif import Remark, Spot
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, normalise, tokens
 from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from pyoxigraph import Triple
 
@@ -96,21 +96,17 @@ def as_object(finding: Finding) -> dict[str, object]:
     }
 
 
-def sarif(findings: Sequence[Finding], root: Path) -> dict[str, object]:
-    """Return findings as one run; files below `root` are named relative to it."""
-    remarks = []
-    for finding in findings:
-        path, place = Path(finding.place.path).absolute(), finding.place
+def remark(finding: Finding, root: Path | None = None) -> Remark:
+    """Return a finding as a remark at its line, the file as it was named.
+
+    With a `root`, for SARIF, files below it are named relative to it and others by a URI; the hint is in the message.
+    """
+    place, uri, text = finding.place, finding.place.path, finding.message
+    if root is not None:
+        path = Path(uri).absolute()
         uri = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_uri()
-        text = f"{finding.message}. {finding.hint}" if finding.hint else finding.message
-        remarks.append(Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column)))
-    return document(remarks)
-
-
-def remark(finding: Finding) -> Remark:
-    """Return a finding as a remark at its line, the file as it was named."""
-    place = finding.place
-    return Remark(finding.code, finding.severity, finding.message, Spot(place.path, place.line, place.column))
+        text = f"{text}. {finding.hint}" if finding.hint else text
+    return Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column))
 
 
 _DECLARING: Final = {"PREFIX": 2, "@PREFIX": 2, "BASE": 1, "@BASE": 1, "IMPORTS": 1, "VERSION": 1, "@VERSION": 1}

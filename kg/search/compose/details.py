@@ -1,31 +1,22 @@
-"""Lines of the ends of chosen nodes, and the parameters of these nodes, read by one query."""
+"""Lines of the ends of chosen nodes, and the parameters of these nodes."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Location
-from kg.graph import vocabulary as v
-from kg.graph.fields import Properties, place_of
-from kg.graph.fields import one as value_of
+from kg.facts import Access, Location, Role
+from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.holes import is_partial
-from kg.query.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from kg.facts import Interface
     from kg.search.compose.network import Part, Port
-    from kg.store.interface import Snapshot
+    from kg.store.snapshot import EmbeddedSnapshot
 
-_QUERY: Final = """
-SELECT ?n ?s ?p ?o {
-  { VALUES ?s { %s } GRAPH ?g { ?s ?p ?o } }
-  UNION
-  { VALUES ?n { %s } GRAPH ?g { ?n rnkg:hasParameter ?s . ?s ?p ?o } }
-}"""
-_LIFECYCLE: Final = "publisher/~/transition_event"  # what every lifecycle node of ROS 2 has
+_LIFECYCLE: Final = "~/transition_event"  # what every lifecycle node of ROS 2 publishes
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,43 +41,30 @@ class Details:
         return self.places.get(port.iri, Location(part.path, part.line))
 
 
-def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port]) -> Details:
-    """Return the details of nodes and of ends."""
-    nodes = {part.iri for part in parts}
-    cycles = {f"{node}{'/' if '#' in node else '#'}{_LIFECYCLE}": node for node in nodes}
-    ends = {port.iri for port in ports}
-    values = (" ".join(f"<{iri}>" for iri in sorted(chosen)) for chosen in (ends | set(cycles), nodes))
-    by_subject: defaultdict[tuple[str, str], defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    for node, subject, predicate, value in rows(snapshot, _QUERY % tuple(values)):
-        by_subject[node or "", subject][predicate].append(value)
-    places = {
-        subject: place_of(properties)
-        for (node, subject), properties in by_subject.items()
-        if not node and subject in ends
-    }
-    cycling = frozenset(cycles[subject] for _, subject in by_subject if subject in cycles)
-    return Details(places, _unset(by_subject), cycling)
+def read_details(snapshot: EmbeddedSnapshot, parts: Iterable[Part]) -> Details:
+    """Return the details of nodes and of their ends."""
+    records = node_records(snapshot, iris={part.iri for part in parts})
+    return Details(
+        {iri: end.location for record in records for end, iri in record.ends.items()},
+        {record.iri: _unset(record) for record in records},
+        frozenset(record.iri for record in records if any(map(_of_lifecycle, record.node.interfaces))),
+    )
 
 
-def _unset(by_subject: Mapping[tuple[str, str], Properties]) -> dict[str, tuple[Unset, ...]]:
-    """Return the parameters that each node reads and that never have a default, sorted by name."""
-    unset: defaultdict[str, dict[str, Unset]] = defaultdict(dict)
-    has_default: set[tuple[str, str]] = set()
-    for (node, _), properties in sorted(by_subject.items()):
-        name = value_of(properties, v.NAME)
-        if not node or name is None:
+def _of_lifecycle(end: Interface) -> bool:
+    return end.role is Role.PUBLISHES and end.name == _LIFECYCLE
+
+
+def _unset(record: NodeRecord) -> tuple[Unset, ...]:
+    """Return the parameters that a node reads and that never have a default, sorted by name."""
+    unset: dict[str, Unset] = {}
+    has_default: set[str] = set()
+    for one, _ in sorted(record.settable.items(), key=lambda pair: pair[1]):
+        if one.name is None:
             continue
-        if (
-            value_of(properties, v.DEFAULT_VALUE) is not None
-            or value_of(properties, v.IMPLICIT) == "true"
-            or is_partial(name)
-            or "[" in name
-        ):
-            has_default.add((node, name))
-        if (value_of(properties, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
-            has_default.add((node, name))
-        unset[node].setdefault(name, Unset(name, value_of(properties, v.PARAMETER_TYPE), place_of(properties)))
-    return {
-        node: tuple(one for name, one in sorted(named.items()) if (node, name) not in has_default)
-        for node, named in unset.items()
-    }
+        if one.default is not None or one.implicit or is_partial(one.name) or "[" in one.name:
+            has_default.add(one.name)
+        if one.access is Access.WRITE:
+            has_default.add(one.name)
+        unset.setdefault(one.name, Unset(one.name, one.type, one.location))
+    return tuple(one for name, one in sorted(unset.items()) if name not in has_default)

@@ -7,19 +7,19 @@ from contextlib import suppress
 from dataclasses import dataclass
 from heapq import merge
 from itertools import islice, product, takewhile
-from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import unquote
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
 from kg.errors import UnknownNameError
-from kg.facts import Switch
-from kg.graph import vocabulary as v
-from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.facts import NodeKind, Role, Switch
+from kg.graph.reading.nodes import NodeRecord, node_records
+from kg.graph.reading.queries import texts
 from kg.holes import known_letters
 from kg.names import FRAMEWORK
 from kg.query.rows import rows
 from kg.render.text import count
+from kg.rules.selecting import columns_of
 from kg.search.cache import keep, load_cached
 from kg.search.compose.asking import ResolvedRequest, resolve_request
 from kg.search.compose.chains import (
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.store.interface import Snapshot
+    from kg.store.snapshot import EmbeddedSnapshot
 
 
 def steps_of(network: Network, request: ResolvedRequest, ros: int) -> Mapping[str, Sequence[Step]]:
@@ -140,22 +140,17 @@ def between(network: Network) -> Callable[[Step, Step], int]:
     return cost
 
 
-_NODES: Final = """
-?n ?kind ?ros ?path ?line ?x ?plugin ?own {
-  ?n a rnkg:NodeType ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line
-  OPTIONAL { ?n rnkg:hasExecutable/rnkg:name ?x } OPTIONAL { ?n rnkg:pluginName ?plugin }
-  OPTIONAL { ?n rnkg:nodeName ?own }
+_DEPRECATED: Final = """
+SELECT ?repository ?package {
+  ?r a rnkg:Repository ; rnkg:name ?repository ; rnkg:contains ?p .
+  ?p a rnkg:Package ; rnkg:name ?package ; rnkg:deprecated ?value
 }"""
-_ENDS: Final = "?c ?t { ?c ros:hasMessage ?t ; rnkg:implicit false }"
-_MORE: Final = """
-?c ?p ?o { VALUES ?p { rnkg:parameterName rnkg:switchedBy rnkg:leastArguments rnkg:deprecated } ?c ?p ?o }"""
 _STARTED: Final = "SELECT ?n ?g { GRAPH ?g { ?i rnkg:instanceOf ?n } }"
-_LOADED: Final = ("nodelet", "component")
-_ROLES: Final = ("publisher", "subscriber")
+_LOADED: Final = frozenset({NodeKind.NODELET, NodeKind.COMPONENT})
 _FOLDER: Final = "compose"
 
 
-def network(snapshot: Snapshot, cache: Path | None) -> Network:
+def network(snapshot: EmbeddedSnapshot, cache: Path | None) -> Network:
     """Return the network of a snapshot, from the folder `cache` if present; else read it and save it there."""
     if cache is None:
         return read(snapshot)
@@ -169,43 +164,37 @@ def network(snapshot: Snapshot, cache: Path | None) -> Network:
     return network_read
 
 
-def read(snapshot: Snapshot) -> Network:
+def read(snapshot: EmbeddedSnapshot) -> Network:
     """Return the network of a snapshot: nodes that launch files can start and that have publishers or subscribers."""
-    sources = _Sources(snapshot)
-    more: defaultdict[str, defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
-    for subject, predicate, value in sources.rows(_MORE):
-        more[subject][predicate].add(value)
-    ports = _ports(sources.rows(_ENDS), more)
+    columns = columns_of(snapshot)
+    deprecated = set(texts(columns, _DEPRECATED))
     launches = _numbered(rows(snapshot, _STARTED))
-    parts_by_iri: dict[str, Part] = {}
-    for iri, kind, ros, path, line, executable, plugin, own in sources.rows(_NODES):
-        startable = executable or (plugin and kind.removeprefix(v.RNKG) in _LOADED)
-        if iri in parts_by_iri or iri not in ports or not startable:
-            continue
-        repository, package, name = _names(iri)
-        deprecated = v.bare(v.DEPRECATED) in more.get(_package_of(iri), ())
-        parts_by_iri[iri] = Part(
-            iri, repository, package, name, kind.removeprefix(v.RNKG), int(ros), path, int(line),
-            executable or None, plugin or None, own or None, deprecated,
-            launches=launches.get(iri, ()), inputs=_of(ports[iri], "subscriber"), outputs=_of(ports[iri], "publisher"),
-        )  # fmt: skip
-    parts = sorted(
-        parts_by_iri.values(), key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri)
-    )
+    parts = []
+    for record in node_records(columns):
+        node = record.node
+        inputs, outputs = (_ports(record, role) for role in (Role.SUBSCRIBES, Role.PUBLISHES))
+        if (inputs or outputs) and (node.executable or (node.plugin and node.kind in _LOADED)):
+            parts.append(
+                Part(
+                    record.iri,
+                    record.repository,
+                    record.package,
+                    node.name,
+                    str(node.kind),
+                    node.ros,
+                    node.location.path,
+                    node.location.line,
+                    node.executable or None,
+                    node.plugin or None,
+                    node.node_name or None,
+                    (record.repository, record.package) in deprecated,
+                    launches=launches.get(record.iri, ()),
+                    inputs=inputs,
+                    outputs=outputs,
+                )
+            )
+    parts.sort(key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri))
     return Network(_with_families(parts))
-
-
-class _Sources:
-    """Rows of queries over the graphs of sources."""
-
-    def __init__(self, snapshot: Snapshot) -> None:
-        self.snapshot = snapshot
-        self.graphs = " ".join(str(graph) for graph in snapshot.graphs() if is_source_graph(graph.value))
-
-    def rows(self, body: str) -> Iterator[Any]:
-        """Yield the rows of `variables { pattern }` over the graph of each source."""
-        variables, _, pattern = body.partition("{")
-        yield from rows(self.snapshot, f"SELECT {variables} {{ VALUES ?g {{ {self.graphs} }} GRAPH ?g {{ {pattern} }}")
 
 
 def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
@@ -218,53 +207,21 @@ def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
     return {node: tuple(sorted(places)) for node, places in by_node.items()}
 
 
-def _ports(
-    rows: Iterable[tuple[str, ...]], more: Mapping[str, Mapping[str, set[str]]]
-) -> dict[str, list[tuple[str, Port]]]:
-    """Return the ends of each node with their role, without those of frameworks."""
-    by_node: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
-    for iri, type_iri in sorted(set(rows)):
-        node, role, name = _split(iri)
-        if role not in _ROLES or (name is not None and f"/{name.lstrip('/')}" in FRAMEWORK):
-            continue
-        properties = more.get(iri, {})
-        port = Port(
+def _ports(record: NodeRecord, role: Role) -> tuple[Port, ...]:
+    """Return the ends of a node in a role, without those of frameworks, sorted by IRI."""
+    ends = ((iri, end) for end, iri in record.ends.items() if end.role is role and end.type and not end.implicit)
+    return tuple(
+        Port(
             iri,
-            name if name and known_letters(name) else None,
-            unquote(type_iri.rpartition("/message/")[2]),
-            min(properties.get(v.bare(v.PARAMETER_NAME), ()), default=None),
-            tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
-            int(min(properties.get(v.bare(v.LEAST_ARGUMENTS), ()), default="0")),
+            end.name if end.name and known_letters(end.name) else None,
+            end.type or "",
+            end.parameter,
+            tuple(sorted(end.switches)),
+            end.arguments,
         )
-        by_node[node].append((role, port))
-    return by_node
-
-
-def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
-    return tuple(port for one, port in ports if one == role)
-
-
-def _split(iri: str) -> tuple[str, str, str | None]:
-    """Return the node, the role and the name in the IRI of an end (`kg.graph.iris.fragment`)."""
-    whole, _, part = iri.partition("#")
-    again = ""
-    if not part.startswith(_ROLES):  # fragments distinguish several nodes with the same name
-        at = min((place for role in _ROLES if (place := part.find(f"/{role}/")) >= 0), default=-1)
-        if at < 0:
-            return whole, part.partition("/")[0], None
-        again, part = f"#{part[:at]}", part[at + 1 :]
-    role, _, name = part.partition("/")
-    own = None if name.startswith(UNKNOWN) else unquote(name.partition("@")[0])
-    return whole + again, role, own or None
-
-
-def _package_of(iri: str) -> str:
-    return iri.replace("/node/", "/package/", 1).partition("#")[0].rpartition("/")[0]
-
-
-def _names(iri: str) -> tuple[str, str, str]:
-    *repository, package, name = iri.partition("/node/")[2].partition("#")[0].split("/")
-    return unquote("/".join(repository)), unquote(package), unquote(name)
+        for iri, end in sorted(ends, key=lambda one: one[0])
+        if end.name is None or f"/{end.name.lstrip('/')}" not in FRAMEWORK
+    )
 
 
 def _with_families(parts: list[Part]) -> list[Part]:
@@ -302,7 +259,7 @@ class Question:
         return LENGTH if self.length is None else self.length
 
 
-def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -> Answer:
+def compose(snapshot: EmbeddedSnapshot, question: Question, cache: Path | None = None) -> Answer:
     """Return the best chains, the best first.
 
     The network is cached in the folder `cache`, if given.
@@ -322,8 +279,7 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
     chains = [first, *islice(worth, question.limit)]
     shown = [(chain, _wired(of_store, chain)) for chain in chains[: question.limit]]
     starts = [start for _, wiring in shown for start in wiring.starts]
-    ports = [port for start in starts for port in (start.taken, start.given)]
-    details = read_details(snapshot, [start.part for start in starts], ports)
+    details = read_details(snapshot, [start.part for start in starts])
     composed = tuple(_composed(of_store, chain, wiring, details) for chain, wiring in shown)
     return Answer(composed, resolved, len(chains) > question.limit, any(one.cut_off for one in started))
 

@@ -11,19 +11,21 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from starlette.routing import Route
 
+from kg.query.formats import BY_NAME
 from kg.query.writing import parquet
 from kg.server.addresses import url
 from kg.server.rendering import page, view
 from kg.server.state import state
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from starlette.requests import Request
     from starlette.responses import Response
 
 _OWN: Final = frozenset({"query", "name", "snapshot", "limit", "timeout"})
-_ROWS: Final = {"json": "JSON", "csv": "CSV", "tsv": "TSV", "xml": "XML", "markdown": "Markdown"}
-"""Names of the endpoint's formats for rows."""
-_GRAPHS: Final = {"turtle": "Turtle", "ntriples": "N-Triples", "jsonld": "JSON-LD", "rdfxml": "RDF/XML"}
+_ROWS: Final = ("json", "csv", "tsv", "xml", "markdown")
+_GRAPHS: Final = ("turtle", "ntriples", "jsonld", "rdfxml")
 _LIMIT: Final = 1000  # default limit of rows
 
 
@@ -53,9 +55,13 @@ async def _query(request: Request) -> Response:
         twin=url("/api/stored"),
         text=data["text"],
         data=msgspec.json.encode(data).decode(),
-        rows=(_ROWS | ({parquet.NAME: "Parquet"} if parquet.is_installed() else {})).items(),
-        graphs=_GRAPHS.items(),
+        rows=_labelled((*_ROWS, *([parquet.NAME] if parquet.is_installed() else []))),
+        graphs=_labelled(_GRAPHS),
     )
+
+
+def _labelled(names: Iterable[str]) -> list[tuple[str, str]]:
+    return [(name, BY_NAME[name].label) for name in names]
 
 
 ROUTES = [Route("/query", _query)]

@@ -9,9 +9,10 @@ from starlette.routing import Route
 
 from kg.errors import KgError
 from kg.server.addresses import url
-from kg.server.pages.lists import LISTS, related
+from kg.server.pages.lists import related
 from kg.server.pages.missing import missing
 from kg.server.rendering import page, view
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

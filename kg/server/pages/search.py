@@ -10,30 +10,19 @@ from typing import TYPE_CHECKING, Any, Final
 from starlette.routing import Route
 
 from kg.errors import KgError
+from kg.search.options import FILTERS
 from kg.server.addresses import url
 from kg.server.errors import STATUS
-from kg.server.pages.lists import LISTS, address_of
+from kg.server.pages.lists import address_of
 from kg.server.rendering import page, view
 from kg.server.state import state
+from kg.views.lists import LISTS
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
 
-_FILTERS: Final = {
-    "subscribes": "Subscribes to",
-    "publishes": "Publishes",
-    "services": "Offers service or action",
-    "calls": "Calls service or action",
-    "hardware": "Works with hardware",
-    "function": "Function",
-    "capability": "Capability",
-    "package": "In package",
-    "ros": "ROS version",
-    "kind": "Kind",
-    "license": "Licence",
-}
 _EXAMPLES: Final = (
     "merge the scans of two lasers into one",
     "drive to a goal and avoid obstacles",
@@ -48,7 +37,7 @@ async def _search(request: Request) -> Response:
     named = await _named(request, text, "8" if alone else "5")
     if alone:
         return page(request, "names.html", title="Names", named=named)
-    filters = {name: value for name in _FILTERS if (value := request.query_params.get(name, "").strip())}
+    filters = {name: value for name in FILTERS if (value := request.query_params.get(name, "").strip())}
     limit = request.query_params.get("limit", "20")
     twin = url("/api/find", text=text, limit=limit, **filters) if text.strip() or filters else ""
     hits, problem, status = None, None, 200
@@ -68,7 +57,7 @@ async def _search(request: Request) -> Response:
         text=text,
         given=filters,
         limit=limit,
-        filters=_FILTERS,
+        filters=FILTERS,
         choices=await view(request, "choices"),
         examples=_EXAMPLES,
         found=hits,

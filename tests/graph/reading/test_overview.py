@@ -53,7 +53,7 @@ def test_nodes_of_one_package_are_listed() -> None:
     """A package may have its repository as prefix."""
     store = stored(("a", (ROVER,)), ("b", (ROVER, BARE)))
     assert [one.package for one in nodes(store, "a")] == ["a"]
-    assert [one.name for one in nodes(store, "github.com/acme/rover:b")] == ["bare", "rover"]
+    assert [one.node for one in nodes(store, "github.com/acme/rover:b")] == ["bare", "rover"]
 
 
 def test_channels_have_their_types_and_the_nodes_at_their_ends() -> None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.rules.checks.finding import Context, as_object, sarif
+from kg.render.sarif import document
+from kg.rules.checks.finding import Context, as_object, remark
 from kg.rules.checks.run import check, read_all
 from kg.rules.files import RuleSet
 
@@ -155,7 +156,7 @@ def test_json_and_sarif(tmp_path: Path) -> None:
     """Findings are machine-readable: JSON objects, and SARIF with files relative to the root."""
     found = findings(tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }")
     assert json.loads(json.dumps(as_object(found[0])))["code"] == "KG201"
-    log = json.loads(json.dumps(sarif(found, tmp_path)))
+    log = json.loads(json.dumps(document([remark(one, tmp_path) for one in found])))
     (run,) = log["runs"]
     (result,) = run["results"]
     assert result["ruleId"] == run["tool"]["driver"]["rules"][result["ruleIndex"]]["id"] == "KG201"
