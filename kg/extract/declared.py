@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
 from kg.facts import HOLDS, Access, Bound, Interface, Location, NodeKind, Parameter, Resolution, Role
-from kg.holes import ANONYMOUS, PARENT, is_known, is_partial
+from kg.holes import ANONYMOUS, PARENT, Hole, is_known, is_partial, written
 from kg.names import normalise
 from kg.symbolic.form import Literal
 from kg.symbolic.names import EMPTY, NODE_NAME, below, namespace_of
@@ -162,7 +162,7 @@ def _name(node: Object) -> str | None:
 
 def _shown(name: Value) -> str:
     """Return the name that a node is given, with holes for what is not known."""
-    return as_text(name).shown
+    return written(Hole() if part == NODE_NAME else part for part in as_text(name).parts)
 
 
 def _namespace(node: Object) -> str | None:
