@@ -6,13 +6,25 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.marks import Mark
-from kg.facts import HOLDS, Access, Bound, Interface, Location, Parameter, Resolution, Role
-from kg.holes import PARENT, is_partial
+from kg.facts import HOLDS, Access, Bound, Interface, Location, NodeKind, Parameter, Resolution, Role
+from kg.holes import ANONYMOUS, PARENT, Hole, is_known, is_partial, written
 from kg.names import normalise
 from kg.symbolic.form import Literal
 from kg.symbolic.names import EMPTY, NODE_NAME, below, namespace_of
 from kg.symbolic.operators import COUNT
-from kg.symbolic.values import Either, Mapping, Number, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import (
+    Either,
+    Mapping,
+    Number,
+    Object,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    as_text,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -128,22 +140,29 @@ def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:
     return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
 
 
-def names_of(framework: Framework, nodes: Iterable[Object]) -> tuple[str | None, str | None]:
-    """Return the name and the namespace that the code gives to a node, the first of these objects with a name.
+def names_of(framework: Framework, nodes: Iterable[Object], ros: int, kind: NodeKind) -> tuple[str | None, str | None]:
+    """Return the name and the namespace that the code gives to a node, the first of these objects that gets a name.
 
-    Either is None where the code gives none. The namespace is absolute, with a hole where it is not known.
+    Either is None where the code gives none. The name has holes where it is not known, as has that of a program of
+    ROS 2 whose node is made by code outside of the build. The namespace is absolute, with a hole where it is not known.
     """
     named = ((_name(one), one) for one in nodes)
     name, node = next(((name, one) for name, one in named if name), (None, None))
     if node is None:
-        texts = (value.exact for value in framework.node_names if isinstance(value, Text))
-        return next((text for text in texts if text), None), None
+        texts = [shown for value in framework.node_names if (shown := _shown(value))]
+        unknown = ANONYMOUS if ros == _ROS2 and kind is not NodeKind.PLUGIN else None
+        return next((text for text in texts if is_known(text)), texts[0] if texts else unknown), None
     return name, _namespace(node)
 
 
 def _name(node: Object) -> str | None:
     own = node.native.get("name")
-    return own.exact if isinstance(own, Text) else None
+    return _shown(own) if own is not None else None
+
+
+def _shown(name: Value) -> str:
+    """Return the name that a node is given, with holes for what is not known."""
+    return written(Hole() if part == NODE_NAME else part for part in as_text(name).parts)
 
 
 def _namespace(node: Object) -> str | None:
@@ -255,7 +274,7 @@ def _other_node(one: Declared, alone: tuple[str, str]) -> str | None:
     """
     name = _name(one.node) if one.node is not None else None
     namespace = (_namespace(one.node) if one.node is not None else None) or "/"
-    if not name or (name, namespace) == alone or name.startswith("_") or is_partial(namespace):
+    if not is_known(name) or (name, namespace) == alone or name.startswith("_") or is_partial(namespace):
         return None
     return name if namespace == "/" else f"{namespace}/{name}"
 

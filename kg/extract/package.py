@@ -30,7 +30,7 @@ from kg.facts import (
     Role,
     SourceFile,
 )
-from kg.holes import is_partial
+from kg.holes import is_known, is_partial
 from kg.names import resolve
 from kg.symbolic.descriptions import merged
 
@@ -100,8 +100,14 @@ def _call(fact: Interface | Parameter) -> Location:
 def _fits(loaded: Extracted, executable: Extracted) -> bool:
     """Check whether a class and an executable that declare the same are one node: they do, and by one name."""
     one, other = loaded.node, executable.node
-    names = {one.node_name, other.node_name} - {None}
+    names = set(filter(is_known, (one.node_name, other.node_name)))
     return bool(one.interfaces or one.parameters) and len(names) < 2  # noqa: PLR2004 - not two names
+
+
+def _common_name(one: NodeType, other: NodeType) -> str | None:
+    """Return the name that the code gives a node in either way to start it, the known one if there is one."""
+    names = [name for name in (one.node_name, other.node_name) if name]
+    return next(filter(is_known, names), names[0] if names else None)
 
 
 def _started_by(loaded: Extracted, executable: Extracted) -> Extracted:
@@ -111,7 +117,7 @@ def _started_by(loaded: Extracted, executable: Extracted) -> Extracted:
     node = first if _declared(loaded) == _declared(executable) else _both(loaded, executable).node
     node = replace(
         node,
-        node_name=first.node_name or second.node_name,
+        node_name=_common_name(first, second),
         node_namespace=first.node_namespace or second.node_namespace,
         sources=_once(first.sources + second.sources),
         bounds=_once(first.bounds + second.bounds),
@@ -128,7 +134,7 @@ def _both(one: Extracted, other: Extracted) -> Extracted:
     first, second = one.node, other.node
     node = replace(
         first,
-        node_name=first.node_name or second.node_name,
+        node_name=_common_name(first, second),
         node_namespace=first.node_namespace or second.node_namespace,
         base_class=first.base_class or second.base_class,
         exported=first.exported or second.exported,
@@ -169,7 +175,7 @@ def canonical(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
 
 def own_name(node: NodeType) -> str:
     """Return the name a node has when it is started alone: the one it gives itself, else that of its type."""
-    if node.node_name and not is_partial(node.node_name):
+    if node.node_name:
         return node.node_name
     return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
 

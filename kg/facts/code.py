@@ -309,7 +309,7 @@ class NodeType:
     executable: str | None = None
     plugin: str | None = None
     node_name: str | None = None
-    """The node's own name (`ros::init`, `Node("...")`), before any remapping."""
+    """The node's own name (`ros::init`, `Node("...")`), before any remapping. It has holes where it is not known."""
     node_namespace: str | None = None
     """The absolute namespace that its code gives it (ROS 2), in place of `/`, unless it is started in another one.
 

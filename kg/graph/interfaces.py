@@ -14,6 +14,7 @@ from kg.facts import Interface, Qos, Resolution, Role
 from kg.graph import vocabulary as v
 from kg.graph.fields import INTERFACE, QOS
 from kg.graph.ntriples import plain
+from kg.holes import is_known
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -90,7 +91,7 @@ def interface(scope: Scope, owner: str, fact: Interface) -> str:
     kind = interface_type(scope, shape.type_kind, fact.type) if fact.type else None
     if kind:
         writer.add(part, shape.has_type, kind)
-    if fact.resolved is not None and fact.resolution not in _NAMELESS:
+    if is_known(fact.resolved) and fact.resolution not in _NAMELESS:
         channel = f"<{scope.iris.channel(fact.role.channel, fact.resolved)}>"
         writer.described(channel, fact.resolved, shape.channel_class)
         writer.add(part, v.CONNECTS_TO, channel)

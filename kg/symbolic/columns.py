@@ -134,6 +134,7 @@ INTERFACE: Final[Mapping[str, Form]] = {
     "qos": _INDEX,
     "depth": _COUNT,
     "camera": _FLAG,
+    "transport": _INDEX,
     "specification": Form(
         'the number of an argument, or "template"', lambda value: _is_index(value) or value == "template"
     ),

@@ -41,6 +41,8 @@ class Effect:
     implicit: bool = False
     depth: int | None = None
     """The depth of the queue where the call gives none."""
+    transport: int | None = None
+    """The first argument that can have the transport of images, which decides on the name and the type."""
     specification: int | str | None = None
     """The argument whose template argument is a class with the name, the type and the quality of service.
 

@@ -11,7 +11,7 @@ from kg.facts import CAMERA_ORIGIN, Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
 from kg.symbolic.form import Literal, Name
-from kg.symbolic.messages import GENERATED, message_type, option, type_name
+from kg.symbolic.messages import GENERATED, message_type, option, transported, type_name
 from kg.symbolic.names import (
     EMPTY,
     below,
@@ -587,7 +587,6 @@ class Framework:
             return None
         if isinstance(name, Text) and name.unsure:
             name = Unknown(UNSURE)
-        kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
         if is_empty_text(whole):
             return None  # the framework refuses an empty name
@@ -595,7 +594,8 @@ class Framework:
         usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
         profile = qos.profile_of(given) if given is not None else usual
         written = _written(effect, call, stack[-1].given if stack else ())
-        self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
+        full, kind = transported(effect, call, whole, message_type(self.machine.language, effect, call))
+        self._add(Declared(effect, _shown(full), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
             kind = "sensor_msgs/CameraInfo"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Role
 from kg.symbolic.kinds import POINTER_ALIASES, pointee
 from kg.symbolic.state import Frame, Invocation
-from kg.symbolic.values import Bound, Closure, Kind, Object, Text, TypeValue, Value, alternatives
+from kg.symbolic.values import Bound, Closure, Kind, Object, Text, TypeValue, Value, alternatives, concatenate
 
 if TYPE_CHECKING:
     from kg.symbolic.descriptions import Effect
@@ -34,6 +34,14 @@ _SENT: Final[dict[tuple[str, ...], str]] = {
     ("cuda_blackboard", "CudaImage"): "sensor_msgs/Image",
 }
 """Classes of libraries and the messages that they are sent as."""
+_TRANSPORTS: Final = {
+    "compressed": "sensor_msgs/CompressedImage",
+    "compressedDepth": "sensor_msgs/CompressedImage",
+    "theora": "theora_image_transport/Packet",
+}
+"""The messages of the transports of `image_transport_plugins`."""
+_PLAIN: Final = Text.of("raw")
+"""The transport that sends images as they are."""
 _ANY_TYPE: Final = "topic_tools/ShapeShifter"
 
 
@@ -89,6 +97,18 @@ def message_type(language: Language, effect: Effect, call: Invocation) -> str | 
     if name is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
         return name if name.endswith("/Action") else name.removesuffix("Action")
     return name
+
+
+def transported(effect: Effect, call: Invocation, name: Value, kind: str | None) -> tuple[Value, str | None]:
+    """Return the name and the type of an interface: those of the transport of images if the call names one."""
+    if effect.transport is None:
+        return name, kind
+    hints = call.arguments.values[effect.transport :]
+    given = (one.native.get("node") if isinstance(one, Object) else one for one in hints)
+    transport = next((one for one in given if isinstance(one, Text) and one.exact != ""), _PLAIN)
+    if transport.exact == _PLAIN.exact:
+        return name, kind
+    return concatenate(name, Text.of("/"), transport), _TRANSPORTS.get(transport.exact or "")
 
 
 def _from(language: Language, source: str, call: Invocation, effect: Effect) -> str | None:

@@ -24,6 +24,7 @@ from kg.facts import (
     StartKind,
     System,
 )
+from kg.holes import ANONYMOUS
 from kg.lazily import lazily
 from kg.names import join
 from kg.render.text import count, printable, some, width
@@ -459,7 +460,9 @@ def _type_header(record: "NodeRecord", links: "Links") -> "Iterable[Text]":
         if node.exported is not None:
             text = text.append(" by ", style="dim").append_text(place_text(node.exported, record.repository, links))
         yield text
-    if node.node_name and (node.node_name != node.name or node.node_namespace):
+    if node.node_name == ANONYMOUS:
+        yield _field("name", "known only at run time, unless a launch file gives one")
+    elif node.node_name and (node.node_name != node.name or node.node_namespace):
         yield _field("name", f"calls itself {join(node.node_namespace or '', node.node_name)}")
     yield Text.assemble(_field("declared", ""), place_text(node.location, record.repository, links))
     for bound in node.bounds:

@@ -10,8 +10,9 @@ from kg.extract.cpp.specialising import UNKNOWN, choose, chosen_class, chosen_me
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
 from kg.symbolic.messages import GENERATED
+from kg.symbolic.state import Alias as Reference
 from kg.symbolic.state import Frame
-from kg.symbolic.values import Kind, Number, Object, Pack, Text, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import Kind, Number, Object, Pack, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -25,6 +26,13 @@ _DEEPEST: Final = 12
 _ROSSERIAL: Final = "ros/msg.h"
 """What the headers of messages include that rosserial generates, and no other header of messages."""
 _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
+_IN_MESSAGES: Final = {
+    "string": ("std", "string"),
+    "float32": ("float",),
+    "float64": ("double",),
+    **{f"{sign}int{bits}": (f"{sign}int{bits}_t",) for sign in ("", "u") for bits in (8, 16, 32, 64)},
+}
+"""The types of C++ of the fields of messages that have another name."""
 _VALUES: Final = frozenset({"ParameterValue"})
 """Classes whose objects have the type of the value that they hold."""
 _MOST_BASES: Final = 40
@@ -352,7 +360,8 @@ class Kinds:
             if not isinstance(inner, form.Type) or not mentions(inner, function.template):
                 continue
             deduced = library.type_of(argument)
-            if (deduced is None or inner.arguments) and caller is not None and index < len(written):
+            partly = deduced is None or inner.arguments or argument == Sequence(())
+            if partly and caller is not None and index < len(written):
                 deduced = self.type_of(written[index], caller) or deduced
             if deduced is not None:
                 _unify(inner, deduced, function.template, frame.types)
@@ -442,6 +451,8 @@ class Kinds:
         while isinstance(expression, form.Unary):
             expression = expression.operand
         if isinstance(expression, form.Construct):
+            if expression.type.name in _VALUES and len(expression.arguments) == 1:
+                return self.type_of(expression.arguments[0], frame)
             return self.kind_of(expression.type, frame)
         if isinstance(expression, form.Call) and isinstance(expression.function, form.Name):
             names, arguments = expression.function.names, expression.arguments
@@ -451,8 +462,20 @@ class Kinds:
             return self.kind_of(called, frame) if names[0] == "std" and names[-1] in library.TYPES else None
         if not isinstance(expression, (form.Name, form.Member)):
             return None
+        slot = frame.variables.get(expression.names[0]) if isinstance(expression, form.Name) else None
+        if isinstance(slot, Reference):  # a parameter of a macro
+            return self.type_of(slot.target, slot.frame)
         written = self.written_type(expression, frame)
+        if written is None and isinstance(expression, form.Member):
+            return self._type_in_message(expression, frame)
         return self.kind_of(*written) if written is not None else None
+
+    def _type_in_message(self, expression: form.Member, frame: Frame) -> Kind | None:
+        """Return the type of a field of a message."""
+        message = self.type_of(expression.of, frame)
+        names = (*pointee(message).names, expression.name) if message is not None and message.cls is None else ()
+        written = self._linker.project.constants.type_of_field(names)
+        return _of_field(written) if written is not None else None
 
     def written_type(self, expression: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
         """Return the type of a variable or member as written, with the frame that gives it its meaning."""
@@ -479,6 +502,15 @@ class Kinds:
             if found is not None and found[0].type is not None:
                 return found[0].type, Frame(found[1], found[2])
         return None
+
+
+def _of_field(written: str) -> Kind:
+    """Return the type of a field of a message as its definition writes it: `float64[3]`, `string<=8`."""
+    inner, bracket, _ = written.partition("[")
+    if bracket:
+        return Kind(("std", "vector"), (TypeValue(_of_field(inner)),))
+    bare = inner.partition("<")[0]
+    return Kind(_IN_MESSAGES.get(bare) or tuple(bare.split("/")))
 
 
 def _pointer(to: Kind) -> Kind:

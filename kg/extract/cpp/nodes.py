@@ -26,6 +26,7 @@ from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
 from kg.facts import TREE_NODE, Interface, Location, NodeKind, NodeType, Parameter
+from kg.holes import is_known
 from kg.names import normalise
 from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE
@@ -280,7 +281,7 @@ class _Nodes:
                 )
                 framework = language.machine.framework
                 nodes = self._extracted(framework, node, root)
-                if nodes and complete and nodes[0].node.node_name is not None:
+                if nodes and complete and is_known(nodes[0].node.node_name):
                     self._alone[cls] = nodes[0]
                 self._by_plugins += self._of_trees(framework, files)
                 return nodes
@@ -483,7 +484,7 @@ class _Nodes:
             declared = [one for one in declared if _belongs(one.node, root)]
             loadings = [one for one in loadings if _belongs(one.node, root)]
         ros = _version(framework)
-        named, namespace = names_of(framework, [root] if root is not None else framework.nodes)
+        named, namespace = names_of(framework, [root] if root is not None else framework.nodes, ros, node.kind)
         alone = named or node.name, namespace or "/"
         interfaces, parameters = facts_of(declared, self._project, ros, alone)
         loaded_interfaces, loaded_parameters = self._loaded(framework)

@@ -136,10 +136,12 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
     libraries = {FilePath(reader.repository, path): keys for path, keys in own.items()}
     complete = []
     for extracted in nodes:
+        configured = tuple(_reconfigured(reader, package, build, extracted.marks))
+        types = {parameter.name: parameter.type for parameter in configured}
         parameters = [
-            *(_declared(reader, parameter, libraries) for parameter in extracted.node.parameters),
+            *(_declared(reader, _typed(parameter, types), libraries) for parameter in extracted.node.parameters),
             *_imported(reader, extracted.node, build),
-            *_reconfigured(reader, package, build, extracted.marks),
+            *configured,
         ]
         complete.append(replace(extracted, node=replace(extracted.node, parameters=tuple(parameters))))
     used = {parameter.location.path for extracted in complete for parameter in extracted.node.parameters}
@@ -149,6 +151,11 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
         if path not in used and own[path]
     )
     return complete
+
+
+def _typed(parameter: Parameter, types: dict[str | None, str | None]) -> Parameter:
+    """Return a parameter with the type of its name, if the code shows none."""
+    return parameter if parameter.type is not None else replace(parameter, type=types.get(parameter.name))
 
 
 def _declared(reader: Reader, parameter: Parameter, libraries: dict[FilePath, tuple[Parameter, ...]]) -> Parameter:

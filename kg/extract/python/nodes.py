@@ -186,7 +186,7 @@ class _Nodes:
     def _extracted(self, framework: Framework, root: _Root) -> Extracted:
         self._started.update(made.kind.cls for made in framework.nodes)
         ros = self._version(framework, root)
-        named, namespace = names_of(framework, framework.nodes)
+        named, namespace = names_of(framework, framework.nodes, ros, root.kind)
         alone = named or root.name, namespace or "/"
         interfaces, parameters = facts_of(framework.declared, self._modules, ros, alone)
         interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)

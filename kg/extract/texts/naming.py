@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import last_part
+from kg.holes import is_partial
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ _LONGEST_HEADING: Final = 4
 def _names_of(node: NodeType) -> list[str]:
     plugin = [node.plugin, last_part(node.plugin)] if node.plugin else []
     given = [node.name, node.executable, node.node_name, *node.aliases, *plugin]
-    names = [name for name in given if name]
+    names = [name for name in given if name and not is_partial(name)]
     return list(dict.fromkeys(name for one in names for name in (one, _without_ending(one))))
 
 

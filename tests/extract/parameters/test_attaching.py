@@ -88,3 +88,13 @@ def test_a_configuration_is_found_by_what_its_file_generates(tmp_path: Path) -> 
         mark = Mark("dynamic_reconfigure.server", HERE, "~", name)
         (found,) = attach(reader, reader.package, BuildModel(), [Extracted(node, (mark,))])
         assert (name, len(found.node.parameters)) == (name, count)
+
+
+def test_code_that_shows_no_type_has_that_of_the_configuration(tmp_path: Path) -> None:
+    """A parameter that code reads into a configuration has the type that its `.cfg` file states."""
+    reader = reader_of(tmp_path, FILES)
+    read = [Parameter(name, None, None, Access.READ, HERE) for name in ("~/rate", "rate")]
+    node = NodeType("a", NodeKind.EXECUTABLE, "cpp", 1, HERE, parameters=tuple(read))
+    mark = Mark("dynamic_reconfigure.server", HERE, "~", "demo/Demo")
+    (found,) = attach(reader, reader.package, BuildModel(), [Extracted(node, (mark,))])
+    assert [(one.name, one.type) for one in found.node.parameters[:2]] == [("~/rate", "double"), ("rate", None)]
