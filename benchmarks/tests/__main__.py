@@ -66,10 +66,13 @@ def _case(case: etree._Element) -> Case:
 
 
 def file_of(dotted: str) -> str:
-    """Return the path of a test file by the dotted name that pytest gives to the class of a test."""
+    """Return the path of a test file by the dotted name that pytest gives to the class of a test.
+
+    The name is empty for a test that was interrupted.
+    """
     parts = dotted.split(".")
     for end in range(len(parts), 0, -1):
-        path = Path(*parts[:end]).with_suffix(".py")
+        path = Path(*parts[: end - 1], f"{parts[end - 1]}.py")
         if (ROOT / path).is_file():
             return str(path)
     return dotted

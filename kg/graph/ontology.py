@@ -96,8 +96,8 @@ class ShapeFinding:
         return GraphError("KG604", f"{self.focus}{f', {at}' if at else ''}: {self.message}")
 
 
-def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
-    """Return the verdict of HermiT on each ontology alone, and last on all of them together.
+def check(paths: Iterable[Path] | None = None) -> Iterator[OntologyCheck]:
+    """Yield the verdict of HermiT on each ontology alone, and last on all of them together.
 
     Without `paths` it is about the ontologies that `kg` brings along; with them about the files given, each alone and
     together with those that `kg` brings along, which they may build on. Raise `GraphError`: KG601 for a file that
@@ -107,7 +107,7 @@ def check(paths: Iterable[Path] | None = None) -> tuple[OntologyCheck, ...]:
     ours = default_ontologies()
     alone = ours if paths is None else tuple(paths)
     together = ours + tuple(path for path in alone if path not in ours)
-    return tuple(_check(files, java, archive) for files in [*((path,) for path in alone), together])
+    return (_check(files, java, archive) for files in [*((path,) for path in alone), together])
 
 
 def classify(paths: Iterable[Path] | None = None) -> tuple[Triple, ...]:

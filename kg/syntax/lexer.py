@@ -66,11 +66,15 @@ _UNESCAPE: Final = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", 
 _ESCAPED: Final = re.compile(rf"(?:[^\\]++|\\[tbnrf\\\"']|{_IRI_ESCAPE})*+")
 
 
-@lru_cache(maxsize=2)
-def _terminal(*, ascii_only: bool) -> re.Pattern[str]:
-    """Return the pattern of a token. A variant for ASCII texts compiles five times as fast."""
+@lru_cache(maxsize=4)
+def _terminal(*, ascii_only: bool, prefixes: bool = True) -> re.Pattern[str]:
+    """Return the pattern of a token, or one without names with a prefix.
+
+    The variants for ASCII texts compile five times as fast.
+    """
     never, first = (_NEVER_ASCII, _NEVER_ASCII) if ascii_only else (_NEVER, _NEVER_FIRST)
     char, local = f"[^{never}:]", f"(?:[^{never}]|{_IN_LOCAL})"
+    prefix = rf"(?:[^{first}_0-9:-](?:{char}++|\.++(?={char}))*+)?" if prefixes else ""
     return re.compile(
         rf"""
     (?:[\x20\t\n\r]++|\#[^\n\r]*+)*+
@@ -81,8 +85,7 @@ def _terminal(*, ascii_only: bool) -> re.Pattern[str]:
     | (?P<TAG>@[A-Za-z]+(?:-[A-Za-z0-9]+)*(?:--[A-Za-z]+)?)
     | (?P<NUMBER>(?:[0-9]+\.?[0-9]*|\.[0-9]+)[eE][+-]?[0-9]+|[0-9]*\.[0-9]+|[0-9]+)
     | (?P<NAME>_:[^{first}:-](?:{char}++|\.++(?={char}))*+
-        | (?:[^{first}_0-9:-](?:{char}++|\.++(?={char}))*+)?
-          :(?:(?:[^{first}-]|{_IN_LOCAL})(?:{local}|\.++(?={local}))*+)?)
+        | {prefix}:(?:(?:[^{first}-]|{_IN_LOCAL})(?:{local}|\.++(?={local}))*+)?)
     | (?P<WORD>[^\W\d]\w*)
     | (?P<SIGN>\^\^|&&|\|\||!=|>=|<=|<<\(|\)>>|<<|>>|\{{\||\|\}}|.))
     """,
@@ -90,23 +93,62 @@ def _terminal(*, ascii_only: bool) -> re.Pattern[str]:
     )
 
 
-def token_at(text: str, position: int) -> Token:
-    """Return the first token at or after `position`; one with the text `END` at the end."""
-    match = _terminal(ascii_only=text.isascii()).match(text, position)
+@lru_cache(maxsize=2)
+def _run(*, ascii_only: bool) -> re.Pattern[str]:
+    """Return the pattern of the characters that a prefix can contain."""
+    char = f"[^{_NEVER_ASCII if ascii_only else _NEVER}:]"
+    return re.compile(rf"(?:{char}++|\.++(?={char}))*+")
+
+
+class _Scanner:
+    """Reads the tokens of a text in order, in linear time.
+
+    `a.a.a` could begin a prefix at every letter, each with the same end. If no colon is there, the pattern without
+    prefixes matches the same tokens and does not look ahead again.
+    """
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._ascii_only = text.isascii()
+        self._match = _terminal(ascii_only=self._ascii_only).match
+        self._run_end = 0
+        self._prefix = True
+
+    def token_at(self, position: int) -> Token:
+        """Return the first token at or after a position, which is at least the last one; `END` at the end."""
+        following = self._text[position : position + 1]
+        if position >= self._run_end and (following in {".", "-"} or following > "\x7f"):
+            run = _run(ascii_only=self._ascii_only).match(self._text, position)
+            self._run_end = run.end() if run else position
+            self._prefix = self._text.startswith(":", self._run_end)
+        if position < self._run_end and not self._prefix:
+            return _token(
+                _terminal(ascii_only=self._ascii_only, prefixes=False).match(self._text, position), self._text
+            )
+        return _token(self._match(self._text, position), self._text)
+
+
+def _token(match: re.Match[str] | None, text: str) -> Token:
     if match is None or (kind := match.lastgroup) is None:
         return Token(Kind.SIGN, END, len(text), len(text))
     start, end = match.span(kind)
     return Token(_KINDS[kind], text[start:end], start, end)
 
 
+def token_at(text: str, position: int) -> Token:
+    """Return the first token at or after `position`; one with the text `END` at the end."""
+    return _token(_terminal(ascii_only=text.isascii()).match(text, position), text)
+
+
 @lru_cache(maxsize=_KEPT)
 def tokens_of(text: str) -> tuple[Token, ...]:
     """Return all tokens of a text, without regard to context."""
     result = []
-    token = token_at(text, 0)
+    scanner = _Scanner(text)
+    token = scanner.token_at(0)
     while token.text != END:
         result.append(token)
-        token = token_at(text, token.end)
+        token = scanner.token_at(token.end)
     return tuple(result)
 
 
@@ -220,18 +262,14 @@ def tokens(text: str) -> Iterator[Token]:
     """Yield the tokens of a normalised text without whitespace and comments; accepts any text."""
     levels = [_Level("", expression=True)]
     previous: tuple[Token, ...] = ()
-    match = _terminal(ascii_only=text.isascii()).match
-    matched = match(text, 0)
-    while matched is not None and (kind := matched.lastgroup) is not None:
-        start, end = matched.span(kind)
-        token = Token(_KINDS[kind], text[start:end], start, end)
+    scanner = _Scanner(text)
+    while (token := scanner.token_at(previous[-1].end if previous else 0)).text != END:
         if token.text[0] in "<>)|":
             token = _in_context(token, levels[-1], previous)
         yield token
         if token.kind is Kind.SIGN or token.kind is Kind.WORD:
             _track(token, levels, previous)
         previous = (*previous[-1:], token)
-        matched = match(text, token.end)
 
 
 def _in_context(token: Token, level: _Level, previous: tuple[Token, ...]) -> Token:

@@ -66,7 +66,7 @@ def test_tokens(text: str, expected: list[tuple[str, str]]) -> None:
 def test_long_texts_take_linear_time() -> None:
     """Long texts of pieces that could cause long lookahead are split within seconds each."""
     began = time.process_time()
-    for piece in ("<", "'", "(", "a.", "a:b..", "<a", "'''\"", "\\", "1<", "a-"):
+    for piece in ("<", "'", "(", "a.", "a:b..", "<a", "'''\"", "\\", "1<", "a-", "😀.", "-"):
         for text in (piece * 8_000, f"a:b{piece * 8_000}c", f"'''{piece * 8_000}"):
             assert all(token.kind in Kind for token in tokens(text))
-    assert time.process_time() - began < 20
+    assert time.process_time() - began < 8

@@ -33,7 +33,7 @@ def check(files: Files = None, *, json: Json = False) -> None:
         kg ontology check
         kg ontology check my-robot.ttl
     """
-    verdicts = ontology.check([Path(file) for file in files] if files else None)
+    verdicts = list(ontology.check([Path(file) for file in files] if files else None))
     if json:
         json_lines(
             {

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from extract.cpp.packages import names_of
@@ -15,10 +16,16 @@ if TYPE_CHECKING:
 TEXTS = st.text(st.characters(codec="utf-8", exclude_categories=("Cs", "Cc")), max_size=30)
 
 
+@lru_cache
+def query(kind: str) -> Query:
+    """Return the query for a kind; compiling it takes longer than parsing an example."""
+    return Query(syntax.LANGUAGE, f"({kind}) @it")
+
+
 def first(source: str, kind: str) -> Node:
     """Return the first node of a kind."""
     tree = syntax.parse(source.encode())
-    return syntax.captures(Query(syntax.LANGUAGE, f"({kind}) @it"), tree.root_node)["it"][0]
+    return syntax.captures(query(kind), tree.root_node)["it"][0]
 
 
 @given(TEXTS)
