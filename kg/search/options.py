@@ -20,7 +20,7 @@ FILTERS: Final = {
     for one in (
         Filter("subscribes", "TYPE", "Subscribes to it.", "KG701"),
         Filter("publishes", "TYPE", "Publishes it.", "KG701"),
-        Filter("services", "TYPE", "Provides the service or action.", "KG701"),
+        Filter("services", "TYPE", "Offers the service or action.", "KG701"),
         Filter("calls", "TYPE", "Calls the service or action.", "KG701"),
         Filter("hardware", "NAME", "Works with it.", "KG702"),
         Filter("function", "NAME", "Is for it: navigation, ...", "KG702"),

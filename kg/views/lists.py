@@ -94,8 +94,14 @@ LISTS: Final[Mapping[str, List]] = {
     ),
     "findings": List(
         list_rows.findings,
-        {"severity": "severity", "code": "code", "package": "package", "system": "system", "repository": "repository"},
-        ("message", "system", "rule"),
+        {
+            "severity": "severity",
+            "code": "code",
+            "package": "packages",
+            "system": "systems",
+            "repository": "repository",
+        },
+        ("message", "systems", "rule"),
     ),
     "classes": List(vocabulary.classes, {"vocabulary": "vocabulary", "parent": "parents"}, ("name", "description")),
     "properties": List(

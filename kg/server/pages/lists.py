@@ -221,6 +221,7 @@ LISTS: Final[Mapping[str, Listed]] = {
             Column("Code", "code", "mono", ("/findings", {"code": "code"})),
             Column("Message", "message", to=("/resource", {"iri": "iri"})),
             Column("Launch file", "system", to=("/system", {"name": "system", "repository": "repository"})),
+            Column("Other launch files", "others", "number"),
             _PLACE,
         ),
     ),
