@@ -6,6 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
+from kg.render.text import NAME_UNKNOWN, TYPE_UNKNOWN
 from kg.views.wording import quoted
 
 FURTHER: Final = "`page` {}"
@@ -68,8 +69,8 @@ def node(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
             continue
         yield _line(
             one["role"].replace("_", " "),
-            one["name"] or f"a name not known: {one['written']}",
-            one["type"] or "a type not known",
+            one["name"] or f"{NAME_UNKNOWN}: {one['written']}",
+            one["type"] or TYPE_UNKNOWN,
             one["how"],
             where(one["evidence"]),
             _code(one, detail=detail),
@@ -80,7 +81,7 @@ def node(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         yield _line("plugin", one.get("name") or one.get("base_class") or "", where(one["evidence"]))
     for one in data["parameters"]:
         default = f"= {one['default']}" if one.get("default") is not None else ""
-        yield _line("parameter", one["name"] or "a name not known", one["type"] or "", default, where(one["evidence"]),
+        yield _line("parameter", one["name"] or NAME_UNKNOWN, one["type"] or "", default, where(one["evidence"]),
                     _code(one, detail=detail))  # fmt: skip
     for one in data["neighbours"] if detail else ():
         names = ", ".join(f"{other['package']}/{other['name']}" for other in one["nodes"])
@@ -121,7 +122,7 @@ def system(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]
     ends: defaultdict[str, list[str]] = defaultdict(list)
     types: dict[str, str] = {}
     for one in data["instances"]:
-        starts = one["starts"] or one["missing"] or "a node not known"
+        starts = one["starts"] or one["missing"] or "(node not known)"
         yield _line("starts", one["name"], starts, one["condition"] or "", where(one["evidence"]))
         for end in one["ends"]:
             if end["debug"] and not detail:
@@ -200,7 +201,7 @@ def hits(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     if data["total"] > len(data["hits"]):
         yield f"{data['total']} hits in all; `limit` shows more"
     if not data["hits"]:
-        yield "no node fits"
+        yield f"no node fits. {data['advice']}"
 
 
 def impact(data: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:

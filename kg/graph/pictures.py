@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kg.graph.records import how_to_start
 from kg.render.node_picture import Port, draw
-from kg.render.text import count
+from kg.render.text import NAME_UNKNOWN, TYPE_UNKNOWN, count
 
 if TYPE_CHECKING:
     from kg.graph.reading.nodes import NodeRecord
@@ -16,7 +16,7 @@ def node_picture(record: NodeRecord, *, implicit: bool = False) -> str:
     """Return the SVG of a node; `implicit` adds what frameworks make by themselves."""
     node = record.node
     ports = {
-        Port(str(one.role), one.name or "(not resolved)", one.type or "(type not known)", one.implicit)
+        Port(str(one.role), one.name or NAME_UNKNOWN, one.type or TYPE_UNKNOWN, one.implicit)
         for one in node.interfaces
         if implicit or not one.implicit
     }

@@ -38,9 +38,9 @@ _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
 _VERBS: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes to",
-    v.bare(v.SERVICE_SERVER): "provides the service",
+    v.bare(v.SERVICE_SERVER): "offers the service",
     v.bare(v.SERVICE_CLIENT): "calls the service",
-    v.bare(v.ACTION_SERVER): "provides the action",
+    v.bare(v.ACTION_SERVER): "offers the action",
     v.bare(v.ACTION_CLIENT): "calls the action",
     v.bare(v.PARAMETER): "has the parameter",
     v.bare(v.SETTING): "sets",

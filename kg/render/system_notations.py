@@ -11,22 +11,22 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from kg.render.system_graph import SIGNS, Channel, Link, Member, State, SystemGraph
-from kg.render.text import printable
+from kg.render.text import NAME_UNKNOWN, printable
 
 _VERBS: Final = {
     ("topic", True): "publishes",
     ("topic", False): "subscribes",
     ("service", True): "calls",
-    ("service", False): "serves",
+    ("service", False): "offers",
     ("action", True): "calls action",
-    ("action", False): "serves action",
+    ("action", False): "offers action",
 }
 NOBODY: Final = {
     ("topic", True): "nobody subscribes",
     ("topic", False): "nobody publishes",
-    ("service", True): "nobody serves",
+    ("service", True): "nobody offers",
     ("service", False): "nobody calls",
-    ("action", True): "nobody serves",
+    ("action", True): "nobody offers",
     ("action", False): "nobody calls",
 }
 
@@ -41,7 +41,7 @@ class SystemRow:
     type: str
     others: tuple[str, ...]
     nobody: str = ""
-    """What is lacking where `others` is empty; `name not known` where nothing can be said."""
+    """What is lacking where `others` is empty; `name not known` where nothing is known of them."""
     outward: bool = True
     state: str = ""
     condition: str = ""
@@ -59,7 +59,7 @@ def system_rows(graph: SystemGraph) -> list[SystemRow]:
             SystemRow(
                 node=link.member,
                 verb=_VERBS[channel.kind, link.outward],
-                name=channel.name,
+                name=_channel_text(channel),
                 type=" | ".join(channel.types),
                 others=others,
                 nobody="" if others else nobody_at(channel, outward=link.outward),
@@ -84,7 +84,7 @@ def system_lines(graph: SystemGraph) -> list[str]:
 
 def nobody_at(channel: Channel, *, outward: bool) -> str:
     """Return what to say where nobody is at the other side of a channel."""
-    return "name not known" if channel.open else NOBODY[channel.kind, outward]
+    return NAME_UNKNOWN.strip("()") if channel.open else NOBODY[channel.kind, outward]
 
 
 def _head(member: Member) -> str:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 with lazily():
     import json
 
+NAME_UNKNOWN: Final = "(name not known)"
+TYPE_UNKNOWN: Final = "(type not known)"
+VALUE_UNKNOWN: Final = "(not known)"
+"""What stands in the place of a name, a type or a value that is not known."""
 _UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
 

@@ -329,7 +329,7 @@ class MemoryConnection:
         self.present()
         server = self.bus.services.get(service)
         if server is None:
-            raise RobotError("KG807", f"no node serves `{service}`")
+            raise RobotError("KG807", f"no node offers `{service}`")
         if kind is not None and kind != server.kind:
             raise RobotError("KG806", f"`{service}` is of the type {server.kind}, not {kind}")
         value = self.types.complete(f"{server.kind}_Request", request)

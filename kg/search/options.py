@@ -27,7 +27,7 @@ FILTERS: Final = {
             "services",
             "Offers service or action",
             "TYPE",
-            "Provides the service or action.",
+            "Offers the service or action.",
             "KG701",
             ("services", "action_servers"),
         ),

@@ -180,9 +180,9 @@ def prior(index: Index, requested: frozenset[str]) -> Floats:
 _VERBS: Final = {
     "publishes": "publishes",
     "subscribes": "subscribes",
-    "services": "provides the service",
+    "services": "offers the service",
     "clients": "calls the service",
-    "action_servers": "provides the action",
+    "action_servers": "offers the action",
     "action_clients": "calls the action",
 }
 _KINDS: Final = {

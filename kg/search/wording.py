@@ -49,11 +49,14 @@ def unknown(need: Need) -> list[str]:
     return sentences
 
 
-def near(words: str, search: Search) -> str | None:
-    """Return a "did you mean" question with names similar to a single word; None if there are none."""
-    if len(words.split()) != 1 or len(words) > _LONGEST_NAME:
-        return None
-    return did_you_mean(words, sorted({search.index.nodes[place].name for place in range(search.index.size)}))
+def advice(need: Need, search: Search) -> str:
+    """Return what to do after a search without results: use other words, a name similar to a single word, or less."""
+    text = need.text.strip()
+    if text and not need.wordings and not need.wishes:
+        return f"`{text}` does not describe a node. Use words for what the node does."
+    names = {search.index.nodes[place].name for place in range(search.index.size)}
+    alone = len(text.split()) == 1 and len(text) <= _LONGEST_NAME
+    return (did_you_mean(text, names) if alone else None) or "Try fewer words or filters."
 
 
 def _wish_words(wish: Wish) -> str:

@@ -108,7 +108,7 @@ def _busy(layout: Layout) -> StoreError:
         message = f"process {holder['pid']} (`{holder['command']}`) has been writing the store since {holder['since']}"
         hint = f"Wait for it, or end it with `kill {holder['pid']}`."
     else:
-        message, hint = "another process is just beginning or ending to write it", "Try again."
+        message, hint = "another process is just beginning or ending to write the store", "Try again."
     return StoreError("KG302", message, place=Place(str(layout.root)), hint=hint)
 
 

@@ -57,7 +57,8 @@ def channel(
       `systems` (how many launch files);
     * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
-      `instance` (None for code that no launch file starts under this name), `package` and `node` (its type),
+      `doubt` (when it has another name, part of `quality`), `instance` (None for code that no launch file starts
+      under this name), `package` and `node` (its type),
       `node_iri`, `plugins` (`package/node` of the plugins whose code it is), `systems` (names of launch files),
       `possible` (its name is partly or wholly unknown, and may be this one; read for a side that has no other end),
       `condition`, `launched` and `evidence` (the line that starts it, that of the code), `calls` (as in the view
@@ -200,10 +201,12 @@ class _Endpoints:
             for instance in system.instances:
                 for end in instance.interfaces:
                     launched = self._where.evidence(source, instance.started.location)
+                    doubt = end.reason if end.resolution in _DOUBTED else None
                     row = {
                         **end_object(end),
                         **self._common(end.declared, end.owner),
-                        "quality": quality(end.switches, end.qos, end.reason if end.resolution in _DOUBTED else None),
+                        "doubt": doubt,
+                        "quality": quality(end.switches, end.qos, doubt),
                         "instance": instance.name,
                         **self._type(instance, end.owner),
                         "condition": instance.started.condition,
@@ -233,6 +236,7 @@ class _Endpoints:
                 "remap": None,
                 "set_by": None,
                 **self._common(fact, owner),
+                "doubt": None,
                 "quality": quality(fact.switches, fact.qos),
                 "instance": None,
                 "package": owner.package,

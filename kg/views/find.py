@@ -9,7 +9,7 @@ from kg.facts import Location
 from kg.search.names import filter_values
 from kg.search.options import FILTERS
 from kg.search.searching import Hit, Search, hit_object, search_of
-from kg.search.wording import near, understood, unknown
+from kg.search.wording import advice, understood, unknown
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 from kg.views.arguments import whole
@@ -30,8 +30,8 @@ def find(
     """Return the nodes that match `text` and all `filters` (`kg.search.options.FILTERS`).
 
     Several values of one filter are separated by commas. `limit` is at most 100. The answer has `text`, `filters`,
-    `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
-    whether another name was meant, where nothing was found), `fits` (false where the hits are only the nearest),
+    `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `advice` (a sentence,
+    where nothing was found), `fits` (false where the hits are only the nearest),
     `unknown` (sentences about the words that describe no node) and `hits`: objects as of `kg search --json` with `iri`,
     `evidence` of the node, and in each of `reasons` an `evidence` or None.
 
@@ -62,7 +62,7 @@ def find(
         "total": answer.total,
         "only": only,
         "rather": rather,
-        "near": None if answer.hits else near(text, search),
+        "advice": None if answer.hits else advice(answer.need, search),
         "fits": answer.fits,
         "unknown": unknown(answer.need),
         "hits": [_hit(hit, where) for hit in answer.hits],

@@ -23,6 +23,7 @@ from kg.views.systems import all_systems
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from kg.lint.finding import Finding
     from kg.store.snapshot import EmbeddedSnapshot
 
     Rows = Sequence[dict[str, Any]]
@@ -224,9 +225,26 @@ def _parameters(line: answers.NodeLine) -> Iterable[dict[str, Any]]:
 
 
 def findings(snapshot: EmbeddedSnapshot, base: str) -> Rows:
-    """Return what `kg lint` reports, as `kg lint --json` has it; UsageError KG002 and KG421 for kg.toml."""
+    """Return what `kg lint` reports, as `kg lint --json` has it; UsageError KG002 and KG421 for kg.toml.
+
+    A row also has `systems` and `packages`, all launch files with the finding and their packages, and `others`, the
+    number of launch files beside `system`.
+    """
     reported = check(snapshot, Question(), Settings(base=base), Path.cwd()).report.findings
-    return [{**as_object(one), "iri": one.iri, "package": one.system.partition("/")[0]} for one in reported]
+    return [_finding(one) for one in reported]
+
+
+def _finding(one: Finding) -> dict[str, Any]:
+    systems = [one.system, *one.also]
+    packages = list(dict.fromkeys(system.partition("/")[0] for system in systems))
+    return {
+        **as_object(one),
+        "iri": one.iri,
+        "package": packages[0],
+        "systems": systems,
+        "packages": packages,
+        "others": len(one.also),
+    }
 
 
 def _labels(snapshot: EmbeddedSnapshot) -> defaultdict[str, dict[str, list[str]]]:

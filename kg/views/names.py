@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 with lazily():
     from kg.graph.reading.nodes import loaded_as, node_names, node_records
     from kg.graph.reading.overview import packages
-    from kg.graph.reading.systems import started_names, system_names
+    from kg.graph.reading.systems import started_names, started_types, system_names
     from kg.pipeline.launch_names import matching, unknown_launch
 
 
@@ -86,5 +86,7 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
         raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
     if len(matches) > 1:
         ways = choices([f"`kg node {name} --launch {one}`" for one in matches])
-        raise UsageError("KG003", f"{len(matches)} launch files start `{name}`; choose one", hint=ways)
+        code = choices([f"`kg node {one}` shows its code" for one in started_types(graph, name)])
+        hint = "\n".join(filter(None, (ways, code)))
+        raise UsageError("KG003", f"{len(matches)} launch files start `{name}`; choose one", hint=hint)
     return matches[0]

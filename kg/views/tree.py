@@ -9,6 +9,7 @@ from kg.errors import UnknownNameError
 from kg.facts import Role
 from kg.graph.iris import Iris
 from kg.query.rows import rows
+from kg.render.text import NAME_UNKNOWN
 from kg.views.arguments import whole
 from kg.views.remembered import once
 from kg.views.terms import listing, named_node, node_parts, role_of
@@ -187,7 +188,7 @@ def _of_node(snapshot: EmbeddedSnapshot, iri: str, kind: str) -> list[_Branch]:
 def _leaves(parts: Any, kind: str) -> list[_Branch]:
     branches = {
         part: {
-            **_branch(name or "(not resolved)", kind, part, "made by a framework" if implicit == "true" else ""),
+            **_branch(name or NAME_UNKNOWN, kind, part, "made by a framework" if implicit == "true" else ""),
             "open": None,
         }
         for part, name, implicit in parts

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from rich.console import Console
 
-from kg.cli.commands.channels import parameter_view
+from kg.cli.commands.channels import endpoint_view, parameter_view
 from kg.cli.links import Links
 
 if TYPE_CHECKING:
@@ -34,6 +34,39 @@ def started(number: int) -> list[Mapping[str, Any]]:
         }
         for one in range(number)
     ]
+
+
+def end(name: str, **given: Any) -> dict[str, Any]:
+    """Return an endpoint of `/scan`, a subscriber in one launch file."""
+    return {
+        "title": "subscribes",
+        "role": "subscribes",
+        "instance": name,
+        "package": "base",
+        "node": "driver",
+        "plugins": [],
+        "types": ["sensor_msgs/LaserScan"],
+        "quality": "",
+        "qos": None,
+        "switches": [],
+        "doubt": None,
+        "evidence": at("src/driver.cpp", 12),
+        "launched": at("launch/base.launch", 5),
+        "calls": [],
+        "systems": ["base/launch/base.launch"],
+        **given,
+    }
+
+
+def topic(*ends: Mapping[str, Any], columns: int = 200) -> list[str]:
+    """Return the lines of `kg topic` for these ends on a terminal of this width."""
+    console = Console(file=io.StringIO(), width=columns, color_system=None)
+    types = sorted({kind for one in ends for kind in one["types"]})
+    found = {"name": "/scan", "kind": "topic", "types": types, "endpoints": ends}
+    found |= {"systems": ["base/launch/base.launch"], "definitions": [], "findings": []}
+    with console.capture() as captured:
+        console.print(*endpoint_view(found, Links.of([]), columns, every=False, via=False))
+    return captured.get().splitlines()
 
 
 def shown(values: Sequence[Mapping[str, Any]], *, every: bool = False) -> list[str]:
@@ -72,3 +105,19 @@ def test_all_shows_every_launch_line() -> None:
     lines = shown(started(5), every=True)
     assert len([line for line in lines if "/driver" in line]) == 5
     assert "--all" not in "".join(lines)
+
+
+def test_a_name_with_a_doubt_is_conditional() -> None:
+    """An end that has another name in some case shows the case as a condition, whatever its words."""
+    lines = topic(end("/driver", doubt="where `scan` is set", quality="where `scan` is set"))
+    assert any("condition, QoS" in line for line in lines)
+
+
+def test_types_take_the_place_of_qos() -> None:
+    """Where the terminal is narrow, the types of a topic stay, and the quality of service is left out."""
+    one = end("/front/driver", quality="best_effort, volatile, keep_last 10")
+    other = end("/rear/driver", quality="reliable, volatile, keep_last 1", types=["sensor_msgs/PointCloud2"])
+    words = "\n".join(topic(one, other, columns=80))
+    assert "sensor_msgs/PointCloud2" in words
+    assert "best_effort" not in words
+    assert "best_effort" in "\n".join(topic(one, other))

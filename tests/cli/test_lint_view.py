@@ -26,7 +26,7 @@ def test_findings_of_one_kind_at_one_line_stand_together() -> None:
         "warning[X1]: nothing uses /0",
         "  --> bringup/launch/base.launch:3",
         *(f"  = and nothing uses /{number}" for number in range(1, 5)),
-        "  = and 2 more at this line; --json has them all",
+        "  = and 2 more; --json has them all",
         "",
     ]
 
@@ -35,6 +35,26 @@ def test_another_line_is_another_finding() -> None:
     """Findings at different lines are drawn separately, each followed by an empty line."""
     other = finding(code="X1", place=Evidence("bringup/launch/base.launch", 4, "local/rover"))
     assert lines(finding(code="X1"), other).count("") == 2
+
+
+def test_parameters_that_a_node_never_reads_are_one_group() -> None:
+    """Findings about parameters of one node in one file are drawn once; the others add their message and line."""
+    rule = "architecture/parameter-not-read"
+    unread = [
+        finding(
+            rule=rule,
+            message=f"{node} never reads {node}/{name}",
+            subjects=(f"{node}/{name}", node),
+            place=Evidence("bringup/launch/base.launch", line, "local/rover"),
+        )
+        for line, node, name in ((3, "/base", "a"), (4, "/arm", "a"), (5, "/base", "b"))
+    ]
+    drawn = lines(*unread)
+    assert [one for one in drawn if "never reads" in one and "=" not in one] == [
+        "warning[KG407]: /base never reads /base/a",
+        "warning[KG407]: /arm never reads /arm/a",
+    ]
+    assert "  = and /base never reads /base/b (line 5)" in drawn
 
 
 def test_evidence_beyond_some_lines_is_counted() -> None:

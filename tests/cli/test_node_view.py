@@ -1,4 +1,4 @@
-"""Plugin slots in `kg node`."""
+"""Plugin slots and parameters in `kg node`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rich.console import Console
 
 from kg.cli.commands.node import node_view
 from kg.cli.links import Links
-from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
+from kg.facts import Access, Location, NodeKind, NodeReference, NodeType, Parameter, PluginDefault, PluginSlot
 from kg.graph.reading.nodes import NodeRecord
 
 PLACE = Location("src/server.cpp", 12)
@@ -17,7 +17,11 @@ PLACE = Location("src/server.cpp", 12)
 
 def shown(slot: PluginSlot, plugins: dict[str, tuple[NodeReference, str]] | None = None) -> str:
     """Return the output of a wide terminal for a node with one slot."""
-    node = NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, Location("src/main.cpp", 3), slots=(slot,))
+    return drawn(NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, PLACE, slots=(slot,)), plugins)
+
+
+def drawn(node: NodeType, plugins: dict[str, tuple[NodeReference, str]] | None = None) -> str:
+    """Return the output of a wide terminal for a node."""
     record = NodeRecord("local/ws", None, "nav", node, plugins=plugins or {})
     console = Console(file=io.StringIO(), width=200, color_system=None)
     with console.capture() as captured:
@@ -49,3 +53,10 @@ def test_a_slot_shows_its_parameters_and_defaults() -> None:
 def test_a_slot_says_what_gives_the_class(slot: PluginSlot, words: str) -> None:
     """The class is given by a parameter, by the code, or unknown."""
     assert words in shown(slot)
+
+
+def test_an_unknown_default_has_its_reason() -> None:
+    """A parameter without a known default tells why it is unknown."""
+    fact = Parameter("~/rate", "double", None, Access.READ, PLACE, reason="it comes from a caller")
+    node = NodeType("driver", NodeKind.EXECUTABLE, "cpp", 1, PLACE, parameters=(fact,))
+    assert "read  it comes from a caller" in drawn(node)

@@ -72,6 +72,13 @@ def test_nothing_found_is_said(rover: Program) -> None:
     assert "no results. Try fewer words" in run.err
 
 
+def test_grammatical_words_alone_are_no_need(rover: Program) -> None:
+    """A search for words that every description has asks for others."""
+    run = rover("search", "the")
+    assert run.code == 1
+    assert run.err.endswith("no results. `the` does not describe a node. Use words for what the node does.\n")
+
+
 def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:
     """An unknown word may be a misspelt name, which is suggested."""
     assert "Did you mean `planner`" in rover("search", "plannner").err

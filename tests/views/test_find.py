@@ -50,7 +50,7 @@ def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: 
 
 def test_a_misspelt_name_is_asked_about(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """An empty result suggests the nearest name."""
-    assert "scan_filter" in str(find(snapshot, settings, text="scn_fliter")["near"])
+    assert "scan_filter" in str(find(snapshot, settings, text="scn_fliter")["advice"])
 
 
 @pytest.mark.parametrize(

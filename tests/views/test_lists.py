@@ -6,15 +6,18 @@ import json
 from typing import TYPE_CHECKING
 
 import pytest
+from lint.robot import read, write
 
 from kg.errors import UsageError
+from kg.settings import Settings
 from kg.views import answers
 from kg.views.listing import listing
 from kg.views.lists import LISTS
 from kg.views.system import lint
 
 if TYPE_CHECKING:
-    from kg.settings import Settings
+    from pathlib import Path
+
     from kg.store.snapshot import EmbeddedSnapshot
 
 _EVERY = pytest.mark.parametrize("of", LISTS)
@@ -67,6 +70,16 @@ def test_findings_are_those_of_lint(snapshot: EmbeddedSnapshot, settings: Settin
     """The list has the findings of `kg lint`."""
     found = listing(snapshot, settings, of="findings", whole="yes")["rows"]
     assert {one["fingerprint"] for one in found} == {one["fingerprint"] for one in lint(snapshot, settings)["findings"]}
+
+
+def test_a_finding_is_found_by_each_of_its_launch_files(tmp_path: Path) -> None:
+    """The facet of launch files has all in which a finding is, not only the one that it is reported for."""
+    settings = Settings(store=write(tmp_path))
+    found = listing(read(tmp_path), settings, of="findings", system="bringup/launch/all.launch")["rows"]
+    assert {(one["code"], one["system"]) for one in found} == {
+        ("KG401", "bringup/launch/base.launch"),
+        ("KG412", "bringup/launch/all.launch"),
+    }
 
 
 def test_types_tell_where_they_are_defined(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

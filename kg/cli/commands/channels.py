@@ -11,7 +11,7 @@ from kg.cli.options import Json, System, Via, argument, option, with_settings
 from kg.cli.output import Column, Linked, fitted, json_lines, line_width, listing, make_table, show, terminal
 from kg.lazily import lazily
 from kg.render.system_notations import NOBODY
-from kg.render.text import count, printable, some
+from kg.render.text import VALUE_UNKNOWN, count, printable, some
 from kg.settings import Settings
 from kg.store.opening import reading
 
@@ -29,7 +29,7 @@ with lazily():
     from kg.views.parameter import parameter
 
 
-_OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
+_OF_FACES: Final = frozenset({"accesses", "calls", "doubt", "evidence", "node_iri", "quality", "title"})
 """Fields of a row for pages only; other fields have the same data."""
 _MOST_SYSTEMS: Final = 3  # maximum number of launch files listed in a sentence
 _MOST_STARTS: Final = 3  # maximum number of rows for the starts of one node that are otherwise equal
@@ -51,7 +51,7 @@ def endpoint_view(
     qualities = {one["quality"] for one in ends if not one.get("possible")}
     yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
     where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
-    conditional = any(one["switches"] or one["quality"].startswith("unless ") for one in ends)
+    conditional = any(one["switches"] or one["doubt"] for one in ends)
     same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} and not conditional else ""
     yield Text(f"  {where}; {_fit(channel)}{same}", style="dim")
     if channel["definitions"]:
@@ -59,9 +59,11 @@ def endpoint_view(
     yield Text()
     titles = {
         "node": Column("node", "name"),
-        "of": Column("of", spare=3),
+        "of": Column("of", spare=4),
         "type": Column("type", spare=2) if len(channel["types"]) > 1 else None,
-        "QoS": Column("condition, QoS" if conditional else "QoS") if len(qualities) > 1 or conditional else None,
+        "QoS": Column("condition, QoS" if conditional else "QoS", spare=3)
+        if len(qualities) > 1 or conditional
+        else None,
         "started": Column("started at", "dim"),
         "in": Column("launch file") if every else Column("in", spare=1),
         "code": Column("code", "dim"),
@@ -221,7 +223,7 @@ def _declared(one: "Mapping[str, Any]", places: "_Places", *, via: bool) -> "Ite
 
 
 def _value(one: "Mapping[str, Any]", places: "_Places", *, every: bool) -> "Iterator[tuple[object, ...]]":
-    value = "(not known)" if one["value"] is None else one["value"]
+    value = VALUE_UNKNOWN if one["value"] is None else one["value"]
     origin = places.cell(one["set_at"], "" if one["set_at"] else "default")
     started = places.cell(one["launched"])
     for system in (one["systems"] if every else ()) or [_count(one["systems"])]:

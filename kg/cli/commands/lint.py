@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from itertools import groupby
 from pathlib import Path
 from time import perf_counter
 from typing import Annotated, Any, Final
@@ -166,7 +165,7 @@ def _save(file: Path, text: str) -> None:
 
 _LAUNCH_ENDINGS: Final = frozenset({".launch", ".py", ".test", ".xml", ".yaml", ".yml"})
 _MOST_EVIDENCE: Final = 4
-"""Maximum number of evidence lines, and of findings of one kind at one line; JSON has them all."""
+"""Maximum number of evidence lines, and of further findings of a group; JSON has them all."""
 
 
 class LintView:
@@ -181,9 +180,8 @@ class LintView:
         self._helped: set[str] = set()
 
     def lines(self) -> "Iterator[str]":
-        """Yield the lines of all findings, separated by empty lines; findings of one kind at one line are grouped."""
-        for _, alike in groupby(self._checked.report.findings, _kind):
-            first, *others = alike
+        """Yield the lines of all findings, separated by empty lines; findings of one kind are grouped."""
+        for first, *others in _groups(self._checked.report.findings):
             yield from self._finding(first, others)
             yield ""
 
@@ -196,9 +194,11 @@ class LintView:
         gutter = " " * len(str(finding.line or ""))
         sign = dim("=", color=self._color)
         yield from (f"{gutter} {sign} {words}" for words in self._remarks(finding))
-        yield from (f"{gutter} {sign} and {printable(one.message)}" for one in others[:_MOST_EVIDENCE])
+        for one in others[:_MOST_EVIDENCE]:
+            line = f" (line {one.line})" if one.line != finding.line else ""
+            yield f"{gutter} {sign} and {printable(one.message)}{line}"
         if len(others) > _MOST_EVIDENCE:
-            yield f"{gutter} {sign} and {len(others) - _MOST_EVIDENCE:,} more at this line; --json has them all"
+            yield f"{gutter} {sign} and {len(others) - _MOST_EVIDENCE:,} more; --json has them all"
         yield from self._help(finding)
 
     def _remarks(self, finding: "Finding") -> "Iterator[str]":
@@ -236,10 +236,24 @@ class LintView:
         return self._links.to(place.repository, Location(place.path, place.line or 1))
 
 
+def _groups(findings: "Sequence[Finding]") -> "list[list[Finding]]":
+    """Return findings in groups that are reported together, by their first ones."""
+    groups: dict[object, list[Finding]] = {}
+    for one in findings:
+        groups.setdefault(_kind(one), []).append(one)
+    return list(groups.values())
+
+
+_BY_NODE: Final = "architecture/parameter-not-read"
+"""The rule whose findings about one node in one file are one group: a node may read none of a file of parameters."""
+
+
 def _kind(finding: "Finding") -> tuple[object, ...]:
-    """Return the key by which findings are grouped: code, rule, severity and line."""
+    """Return the key by which findings are grouped: code, rule, severity, and line, or file, node and systems."""
     place = finding.place
-    where = (place.repository, place.path, place.line) if place is not None else finding
+    where: object = (place.repository, place.path, place.line) if place is not None else finding
+    if place is not None and finding.rule == _BY_NODE:
+        where = (place.repository, place.path, finding.subjects[1:], finding.system, finding.also)
     return finding.code, finding.rule, finding.severity, where
 
 
@@ -247,7 +261,7 @@ def summary(checked: "Checked") -> "Iterator[str]":
     """Yield the summary: number of findings, and stale entries of the allow-list and the baseline."""
     report = checked.report
     found = totals(one.severity for one in report.findings)
-    groups = {_kind(one) for one in report.findings}
+    groups = _groups(report.findings)
     if len(groups) < len(report.findings):
         found += f" in {count(len(groups), 'group')}"
     aside = [

@@ -27,7 +27,7 @@ from kg.facts import (
 from kg.holes import ANONYMOUS
 from kg.lazily import lazily
 from kg.names import join
-from kg.render.text import count, printable, some, width
+from kg.render.text import NAME_UNKNOWN, TYPE_UNKNOWN, VALUE_UNKNOWN, count, printable, some, width
 from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import one_node, starting_system
@@ -317,7 +317,7 @@ def instance_view(
     settings = [
         Row(
             one.name,
-            "(not known)" if one.set.value is None else one.set.value,
+            VALUE_UNKNOWN if one.set.value is None else one.set.value,
             one.set.reason or "",
             one.set.location,
             dim=False,
@@ -364,9 +364,7 @@ def _end(end: "InstanceInterface", repository: str) -> "Row":
     if location.repository is None and end.owner.repository != repository:
         location = replace(location, repository=end.owner.repository)
     remark = ", ".join(filter(None, words))
-    return Row(
-        end.resolved or "(not resolved)", declared.type or "(type not known)", remark, location, declared.implicit
-    )
+    return Row(end.resolved or NAME_UNKNOWN, declared.type or TYPE_UNKNOWN, remark, location, declared.implicit)
 
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
@@ -490,8 +488,8 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> "list[tuple[str, list[
             chosen.sort(key=lambda one: one.implicit)
             rows = []
             for one in chosen:
-                name = one.name if one.name is not None else "(not resolved)"
-                kind, calls = one.type or "(type not known)", one.via if via else ()
+                name = one.name if one.name is not None else NAME_UNKNOWN
+                kind, calls = one.type or TYPE_UNKNOWN, one.via if via else ()
                 rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
             groups.append((role.heading, rows))
     return groups
@@ -504,14 +502,15 @@ def _slot(fact: PluginSlot, record: "NodeRecord", *, via: bool) -> "Row":
         named = f"{one.name}: {one.class_name}" if one.name else one.class_name
         shown.append(f"{named} ({plugin[0].package}/{plugin[0].node})" if plugin is not None else named)
     remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
-    return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
+    return Row(fact.base_class or VALUE_UNKNOWN, how_loaded(fact), remark, fact.location, dim=False, via=calls)
 
 
 def _parameter(facts: "Sequence[Parameter]", *, via: bool) -> "Row":
     first = facts[0]
     default = next((one.default for one in facts if one.default is not None), None)
     kind = next((one.type for one in facts if one.type), "")
-    words = [f"= {default}" if default is not None else "", accesses(facts)]
-    name = first.name if first.name is not None else "(not resolved)"
+    reason = next((one.reason for one in facts if one.reason), "") if default is None or first.name is None else ""
+    words = [f"= {default}" if default is not None else "", accesses(facts), reason]
+    name = first.name if first.name is not None else NAME_UNKNOWN
     remark, calls = "  ".join(word for word in words if word), first.via if via else ()
     return Row(name, kind, remark, first.location, first.implicit, calls)

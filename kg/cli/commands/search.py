@@ -26,7 +26,7 @@ with lazily():
     from kg.cli.links import Links
     from kg.graph.source_states import sources
     from kg.search.searching import Answer, Hit, Search, hit_object, open_search, search_of
-    from kg.search.wording import Question, near, question, understood, unknown
+    from kg.search.wording import Question, advice, question, understood, unknown
 
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
@@ -88,7 +88,7 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"no results. {near(words, index) or 'Try fewer words or filters.'}")
+        note(f"no results. {advice(answer.need, index)}")
         raise typer.Exit(Exit.FOUND)
 
 

@@ -58,6 +58,12 @@ SELECT DISTINCT ?name ?system WHERE {
   %s
   ?configuration rnkg:hasInstance/rnkg:name ?name ; rnkg:name ?system .
 }"""
+_TYPES: Final = """
+SELECT DISTINCT ?package ?type WHERE {
+  %s
+  ?configuration rnkg:hasInstance ?instance . ?instance rnkg:name ?name ; rnkg:instanceOf ?node .
+  ?node rnkg:name ?type . ?in rnkg:contains ?node ; rnkg:name ?package .
+}"""
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
 _GRAPH: Final = "SELECT ?s ?p ?o WHERE { GRAPH <%s> { ?s ?p ?o } }"
 _STARTS: Final = """
@@ -126,6 +132,11 @@ def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[s
     for instance, system in texts(graph, _STARTED % ("" if name is None else one_of("name", [name]))):
         by_name.setdefault(instance, set()).add(system)
     return {name: sorted(by_name[name]) for name in sorted(by_name)}
+
+
+def started_types(graph: Queryable, name: str) -> list[str]:
+    """Return the node types of the instances with an absolute name, as `package/node`, sorted."""
+    return sorted(map("/".join, texts(graph, _TYPES % one_of("name", [name]))))
 
 
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[facts.System]:

@@ -86,7 +86,7 @@ _IDLE: Final = "KG819"
 _DOES: Final = {
     Role.PUBLISHES: ("publishes", "KG825"),
     Role.SUBSCRIBES: ("listens to", "KG824"),
-    Role.SERVICES: ("serves", "KG807"),
+    Role.SERVICES: ("offers", "KG807"),
     Role.ACTION_SERVERS: ("carries out goals of", "KG807"),
 }
 """What the nodes of an interface do, and the code of the error if none does."""

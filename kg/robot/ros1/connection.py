@@ -168,7 +168,7 @@ class Ros1Connection:
             except RobotError as error:
                 if error.code != "KG813":
                     raise
-                raise RobotError("KG807", f"no node serves `{service}`") from None
+                raise RobotError("KG807", f"no node offers `{service}`") from None
             sort = kind or await probe(self.name, uri, service)
             return await call_service(self.node, uri, service, sort, request)
 

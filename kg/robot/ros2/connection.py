@@ -194,7 +194,7 @@ class Ros2Connection:
         """Return the type of a service; RobotError KG807 without a server, KG806 for another type."""
         servers = self.ends(Role.SERVICES, service)
         if not servers:
-            raise RobotError("KG807", f"no node serves `{service}`")
+            raise RobotError("KG807", f"no node offers `{service}`")
         types = {one.type for one in servers if one.type}
         if types and kind is not None and kind not in types:
             raise RobotError("KG806", f"`{service}` is of the type {min(types)}, not {kind}")

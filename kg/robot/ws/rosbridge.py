@@ -233,7 +233,7 @@ class Rosbridge(Bridge):
         """Call a service and return the response."""
         type_name = self._services.get(service) or short((await self._api("service_type", service=service))["type"])
         if not type_name:
-            raise RobotError("KG807", f"no node serves `{service}`")
+            raise RobotError("KG807", f"no node offers `{service}`")
         if kind is not None and kind != type_name:
             raise RobotError("KG806", f"`{service}` is of the type {type_name}, not {kind}")
         answer = await self._ask(service, to_json(self.types, f"{type_name}_Request", request))

@@ -94,7 +94,7 @@ class FindScreen(UpperScreen[None], context="find"):
 
 def _understood(answer: dict[str, Any]) -> str:
     if not answer["hits"]:
-        return f"Nothing was found. {answer['near'] or 'Use other words.'}"
+        return f"Nothing was found. {answer['advice']}"
     shown = len(answer["hits"])
     words = [f"{count(answer['total'], 'node')}, {shown} shown" if answer["total"] > shown else count(shown, "node")]
     if not answer["fits"]:
