@@ -120,17 +120,11 @@ def parts(node: Node) -> list[Part]:
 def _part(node: Node) -> Part:
     if node.type in CLASSES:  # a class that is defined where a member of it is declared
         named = node.child_by_field_name("name")
-        return _part(named) if named is not None else unnamed(node)
+        return _part(named) if named is not None else Part("")
     if node.type in ("template_type", "template_function", "template_method"):
         name = node.child_by_field_name("name")
         return Part(text(name) if name is not None else "", node.child_by_field_name("arguments"))
     return Part(text(node))
-
-
-def unnamed(node: Node) -> Part:
-    """Return what stands for the name of a class without one: its place; nothing for an enumeration."""
-    row, column = node.start_point
-    return Part(f"@{row}.{column}" if node.type != "enum_specifier" and node.child_by_field_name("body") else "")
 
 
 def simple_name(node: Node) -> str:

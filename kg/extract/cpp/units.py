@@ -161,7 +161,7 @@ class CppClass(Class):
 
     def __init__(self, unit: CppUnit, scope: _Scope, node: Node, template: _Scope) -> None:
         name = node.child_by_field_name("name")
-        *outer, (self.name, given) = (syntax.parts(name) if name is not None else []) or [syntax.unnamed(node)]
+        *outer, (self.name, given) = (syntax.parts(name) if name is not None else []) or [syntax.Part("")]
         self.scope = (*scope, *(part.name for part in outer))
         self.unit, self.template, self.line = unit, template, line_of(node)
         self.node, self.derived, self.body = node, (), None

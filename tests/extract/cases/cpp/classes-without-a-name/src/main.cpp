@@ -7,18 +7,12 @@ typedef struct
   double weight;
 } hypothesis_t;
 
-int count();
-
 class Filter
 {
 public:
   Filter()
   {
     hypothesis_t best;
-    ros::NodeHandle own("~");
-    settings_.beams = count();
-    own.getParam("beams", settings_.beams);
-    own.getParam("weight", best.weight);
     pose_.publisher = nh_.advertise<geometry_msgs::PoseStamped>("pose", 2);
     std::vector<hypothesis_t> all = {best, hypothesis_t()};
   }
@@ -29,10 +23,6 @@ private:
   {
     ros::Publisher publisher;
   } pose_;
-  struct
-  {
-    int beams;
-  } settings_;
 };
 
 int main(int argc, char ** argv)
