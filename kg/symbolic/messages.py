@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
 
 _SUFFIXES: Final = POINTER_ALIASES | {"Request", "Response", "RequestPtr", "ResponsePtr"}
-_PARTS: Final = ("Request", "Response")
+PARTS: Final = ("Request", "Response")
 """Suffixes of the classes of the parts of a service, which are also names of classes within its own."""
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
@@ -71,7 +71,7 @@ def _service_name(kind: Kind) -> str | None:
     name = type_name(kind)
     if name is None or kind.name in _SUFFIXES:
         return name
-    for suffix in _PARTS:
+    for suffix in PARTS:
         name = name if name.endswith("/" + suffix) else name.removesuffix(suffix)
     return name
 
@@ -79,6 +79,8 @@ def _service_name(kind: Kind) -> str | None:
 def _of_names(names: list[str]) -> str | None:
     parts = [name for name in names if name]
     package, last = parts[:-1], parts[-1:]
+    if len(package) > 2 and package[-2] in GENERATED and package[-1].startswith("_"):  # noqa: PLR2004 - package, kind, file
+        package = package[:-1]
     if len(package) > 1 and package[-1] in GENERATED:
         package = package[-2:-1]
     named = len(package) == 1 and package[0] != "std" and package[0] not in GENERATED

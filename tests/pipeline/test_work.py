@@ -19,6 +19,7 @@ FILES: dict[str, str | bytes] = {
     "demo/msg/A.msg": "bool a\n",
     "demo/launch/a.launch": '<launch><node pkg="demo" type="talk" name="talk"/></launch>',
     "demo/launch/b.launch": "<launch><node",
+    "demo/launch/of_eclipse.launch": '<launchConfiguration type="test"><mapEntry key="a"/></launchConfiguration>',
 }
 
 

@@ -9,7 +9,7 @@ from kg.extract.cpp import library
 from kg.extract.cpp.specialising import UNKNOWN, choose, chosen_class, chosen_methods, mentions
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
-from kg.symbolic.messages import GENERATED
+from kg.symbolic.messages import GENERATED, PARTS
 from kg.symbolic.state import Alias as Reference
 from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Number, Object, Pack, Sequence, Text, Truth, TypeValue, Unknown, Value
@@ -39,6 +39,7 @@ _MOST_BASES: Final = 40
 _MOST_CHOICES: Final = 3
 """How many choices of specialisations may depend on each other."""
 _PAIR: Final = 2
+_PARTS: Final = frozenset((part,) for part in PARTS)
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
 
@@ -240,6 +241,8 @@ class Kinds:
                 return _pointer(owner) if owner.cls is not None else Kind((*owner.names, names[-1]), owner.arguments)
         if names[0] in GENERATED and (full := self._linker.within(names, unit, scope)) is not None:
             return Kind(full, arguments)
+        if names[1:] in _PARTS and (full := self._linker.generated(names[0], unit, scope)) is not None:
+            return Kind((*full, names[1]), arguments)
         if depth < _DEEPEST:
             outer = self._named(names[:-1], (), unit, scope, depth + _WEIGHT)
             if isinstance(outer, Kind) and outer.names != names[:-1] and outer.cls is None:

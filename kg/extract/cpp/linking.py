@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
 from kg.extract.cpp.specialising import same_text
 from kg.symbolic.kinds import POINTER_NAME
+from kg.symbolic.messages import GENERATED
 from kg.symbolic.values import Enumerator
 
 if TYPE_CHECKING:
@@ -188,8 +189,15 @@ class Linker:
                     if path.endswith("/" + file) and (name.encode() in one.source or (path.split("/")[0],) == around)
                 ),
                 None,
-            )
+            ) or self._used(name, unit)
         return self._generated[key]
+
+    def _used(self, name: str, unit: Unit) -> _Scope | None:
+        """Return the qualified name of a class that the build generates, in a namespace that the file uses."""
+        defined = self.project.reader.workspace.definition
+        stem = _PART.sub("", POINTER_NAME.sub("", name))
+        namespaces = (used for used in cast("CppUnit", unit).uses if used[1:] and used[-1] in GENERATED)
+        return next(((*used, name) for used in namespaces if defined(used[-2], stem, used[-1])), None)
 
     def _holding(self, unit: Unit, kind: str, name: str) -> tuple[CppUnit, ...]:
         """Return the files, nearest first, that can give a name of a kind its meaning in a file."""

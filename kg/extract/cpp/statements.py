@@ -54,6 +54,8 @@ _IDENTIFIERS: Final = Query(syntax.LANGUAGE, "(identifier) @name")
 _STRUCTURED: Final = "structured_binding_declarator"
 _ELEMENT: Final = Type(("auto",), reference=True)
 """The type of a name that means an element: an iterator the one that it is at, or a name of a structured binding."""
+_TABLES: Final = frozenset({"poptOption", "option"})
+"""The classes of tables of options of the command line, of popt and of getopt."""
 _BODIES: Final = frozenset({"compound_statement", "translation_unit", "declaration_list"})
 _BEGINNINGS: Final = frozenset({"begin", "cbegin", "rbegin", "crbegin", "lower_bound"})
 
@@ -91,7 +93,8 @@ class Statements:
     def _declaration(self, node: Node) -> list[Statement]:
         """Return the variables that a declaration in a function declares."""
         static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
-        return [self._static(one, node) if static else one for one in self.declaration(node)]
+        declared = [self._static(one, node) if static else one for one in self.declaration(node)]
+        return [*declared, *(_by_options(node) if any(_is_table(one) for one in declared) else ())]
 
     def _static(self, one: Declare, node: Node) -> Static:
         """Return a variable that keeps its value from call to call."""
@@ -347,6 +350,26 @@ class Statements:
         "labeled_statement": lambda self, node: self._statements(node.named_children),
         **dict.fromkeys(PREPROCESSED, _preprocessed),
     }
+
+
+def _is_table(one: Declare) -> bool:
+    rows = one.type.arguments if one.type is not None and isinstance(one.value, Display) else ()
+    return any(isinstance(row, Type) and row.name in _TABLES for row in rows)
+
+
+def _by_options(node: Node) -> list[Statement]:
+    """Return that the variables are set from outside whose addresses a table of options of the command line has."""
+    pending, found = [node], list[Node]()
+    while pending:
+        one = pending.pop()
+        pending += one.named_children
+        if one.type == "pointer_expression" and syntax.text(one).startswith("&"):
+            found += syntax.of_type(one, "identifier")
+    return [_set_from_outside(line_of(one), syntax.text(one)) for one in found]
+
+
+def _set_from_outside(line: int, name: str) -> Step:
+    return Step(line, Assign(line, Name(line, (name,)), Opaque(line, f"&{name}")))
 
 
 def _names(declarator: Node) -> list[str]:

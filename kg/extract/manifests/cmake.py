@@ -73,6 +73,8 @@ class Collected:
 
     targets: dict[str, _Target] = field(default_factory=dict)
     aliases: dict[str, str] = field(default_factory=dict)
+    divided: dict[str, str] = field(default_factory=dict)
+    """The libraries that have the name of a program, by that name."""
     plugins: list[PluginClass] = field(default_factory=list)
     programs: dict[tuple[str, str], Location] = field(default_factory=dict)
     program_names: dict[str, None] = field(default_factory=dict)
@@ -109,10 +111,19 @@ class Collected:
                 del self.targets[plugin.executable or ""]
         return complete
 
+    def divide(self, name: str, kind: TargetKind) -> None:
+        """Set a library apart that has the name of a program, which files of rosbuild may give both of them."""
+        before = self.targets.get(name)
+        if before is not None and before.kind is TargetKind.LIBRARY and kind is TargetKind.EXECUTABLE:
+            self.divided[name] = f"lib{name}"
+            self.targets[f"lib{name}"] = replace(before, output_name=before.output_name or name)
+            del self.targets[name]
+
     def finished(self) -> tuple[Target, ...]:
         """Return the targets, the names of aliases in their links replaced."""
+        names = {**self.divided, **{alias: self.divided.get(name, name) for alias, name in self.aliases.items()}}
         links = {
-            name: tuple(dict.fromkeys(self.aliases.get(link, link) for link in target.links if link != name))
+            name: tuple(dict.fromkeys(names.get(link, link) for link in target.links if link != name))
             for name, target in self.targets.items()
         }
         macros = set[str]().union(*(target.macros for target in self.targets.values())).difference(self.common)
@@ -160,7 +171,10 @@ class _Targets:
         if words[1:2] == ["ALIAS"]:
             self.model.aliases[name] = words[2] if words[2:] else name
             return
+        self.model.divide(name, kind)
         target = self.model.targets.setdefault(name, _Target(kind, run.location))
+        if name in self.model.divided:
+            target.links.setdefault(self.model.divided[name])
         self._take(run, target, words[1:])
 
     def _take(self, run: Run, target: _Target, words: list[str]) -> None:
@@ -378,11 +392,18 @@ _PLATFORM: Final = {
     "CMAKE_BINARY_DIR": BINARY,
     "PROJECT_BINARY_DIR": BINARY,
     "CMAKE_CURRENT_BINARY_DIR": BINARY,
-    "CATKIN_DEVEL_PREFIX": BINARY,
     "EXECUTABLE_OUTPUT_PATH": BINARY,
 }
 _CORES: Final = {"catkin": 1, "roscpp": 1, "ament_cmake": 2, "rclcpp": 2}
 """Packages that each version of ROS has, by which a file finds out the version."""
+_BY_CATKIN: Final = (
+    "CATKIN_DEVEL_PREFIX",
+    "CATKIN_TOPLEVEL",
+    "CATKIN_BUILD_BINARY_PACKAGE",
+    "CATKIN_ENABLE_TESTING",
+    "CATKIN_SKIP_TESTING",
+)
+"""What only builds by catkin set, by which a file for both versions finds out the version."""
 _BUILD_DEPENDENCIES: Final = frozenset({"depend", "build_depend", "build_export_depend"})
 
 
@@ -434,6 +455,7 @@ def _scope(folder: PackageFolder, package: Package) -> Scope:
         "ROS_VERSION": str(package.ros),
         "ENV{ROS_VERSION}": str(package.ros),
         **{f"{name}_FOUND": str(int(package.ros == ros)) for name, ros in _CORES.items()},
+        **({"CATKIN_DEVEL_PREFIX": BINARY} if package.ros == 1 else dict.fromkeys(_BY_CATKIN, "")),
         "kg_build_dependencies": ";".join(needed),
     }
     return Scope(variables, set())

@@ -95,7 +95,7 @@ class _Parser:
         if token.text in _UNARY and not token.quoted and following:
             self.position += 2
             name = following[0].text
-            defined = name in self.scope.variables and name not in self.scope.uncertain
+            defined = bool(self.scope.variables.get(name)) and name not in self.scope.uncertain
             return True if token.text == "POLICY" or (token.text == "DEFINED" and defined) else None
         if following and following[0].text in _BINARY and not following[0].quoted:
             self.position += 3

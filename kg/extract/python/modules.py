@@ -102,6 +102,8 @@ _STARTERS: Final = (
     b".create_publisher(", b".create_subscription(", b".create_service(", b".create_client(",
 )  # fmt: skip
 """One of these words is in a module of every program that starts a node, or uses one that others start."""
+_GENERATED_FILE: Final = re.compile(r"(?:(?<=\.msg|\.srv)|(?<=\.action))\._\w+\Z")
+"""What follows the module of a kind of interface in the name of a file that the build generates for one of them."""
 _SUFFIXES: Final = ("Request", "Response", "Goal", "Result", "Feedback", "Action")
 
 
@@ -190,7 +192,8 @@ class Modules:
         """
         if not name[:1].isalpha():
             return None
-        generated = [module for module in dict.fromkeys(modules) if module.rpartition(".")[2] in GENERATED]
+        modules = [*dict.fromkeys(_GENERATED_FILE.sub("", module) for module in modules)]
+        generated = [module for module in modules if module.rpartition(".")[2] in GENERATED]
         for module in generated:
             if self._defines(module, name):
                 return (*module.split("."), name)

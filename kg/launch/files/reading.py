@@ -30,6 +30,8 @@ _OF_ROS2: Final = re.compile(
     rb"""|<(let|set_parameter|push[-_]ros[-_]namespace|node_container|load_composable_node)\b"""
 )
 """What only launch files of one version have."""
+_LAUNCH: Final = re.compile(rb"<launch(?![\w.-])")
+"""What each launch file in XML has, and other files of that ending do not: Eclipse's have `<launchConfiguration>`."""
 _LAUNCH_KEY: Final = re.compile(rb"""^['"]?launch['"]?\s*:""", re.MULTILINE)
 """What tells a launch file in YAML from parameters in the same folder."""
 
@@ -107,7 +109,7 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
         wanted = b"def generate_" if test else b"generate_launch_description"
         return dialect if wanted in text else None
     if dialect is LaunchDialect.ROS2_XML:
-        if b"<launch" not in text:
+        if not _LAUNCH.search(text):
             return None
         return dialect if ros == _ROS2 or _is_only(text, _OF_ROS2, _OF_ROS1) else LaunchDialect.ROSLAUNCH
     named = re.search(r"\.launch\.ya?ml$", file.path)

@@ -53,6 +53,20 @@ if("$ENV{ROS_VERSION}" STREQUAL "2") add_executable(two_env) endif()
     assert list(links(model)) == expected
 
 
+@pytest.mark.parametrize(("tool", "expected"), [("catkin", ["one"]), ("ament_cmake", ["two", "ours"])])
+def test_packages_for_both_versions_that_ask_for_the_build_tool(tmp_path: Path, tool: str, expected: list[str]) -> None:
+    """A file that looks at what catkin sets has the part for the package's own version."""
+    text = """
+set(BY_CATKIN FALSE)
+if(CATKIN_TOPLEVEL OR CATKIN_ENABLE_TESTING OR CATKIN_DEVEL_PREFIX) set(BY_CATKIN TRUE) endif()
+if(BY_CATKIN) add_executable(one) else() add_executable(two) endif()
+if(NOT DEFINED CATKIN_DEVEL_PREFIX) add_executable(ours) endif()
+"""
+    package = f"<package format='2'><name>demo</name><buildtool_depend>{tool}</buildtool_depend></package>"
+    model = model_of(reader_of(tmp_path, {"CMakeLists.txt": text, "package.xml": package}))
+    assert list(links(model)) == expected
+
+
 def test_package_without_cmake(tmp_path: Path) -> None:
     """A package may have no CMakeLists.txt; unreferenced ones in subfolders are ignored."""
     model = model_of(reader_of(tmp_path, {"vendor/CMakeLists.txt": "add_executable(a)"}))

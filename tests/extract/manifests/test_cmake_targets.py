@@ -44,6 +44,20 @@ print_binary_size(mapper)
     assert {target.kind for target in model.targets} == {TargetKind.EXECUTABLE}
 
 
+def test_library_and_program_of_one_name(tmp_path: Path) -> None:
+    """Files of rosbuild may name a library like a program, which both stay what they are."""
+    text = """
+rosbuild_add_library(${PROJECT_NAME} driver.cpp)
+rosbuild_add_executable(${PROJECT_NAME} node.cpp)
+rosbuild_add_executable(other other.cpp)
+target_link_libraries(other ${PROJECT_NAME})
+"""
+    model = cmake(tmp_path, text, ["driver.cpp", "node.cpp", "other.cpp"])
+    assert sources(model) == {"libdemo": ["driver.cpp"], "demo": ["node.cpp"], "other": ["other.cpp"]}
+    assert links(model) == {"libdemo": [], "demo": ["libdemo"], "other": ["libdemo"]}
+    assert {target.name: target.kind for target in model.targets}["demo"] is TargetKind.EXECUTABLE
+
+
 def test_aliases_objects_and_imported(tmp_path: Path) -> None:
     """Aliases lead to their target, objects of a library count as links, imported targets are excluded."""
     text = """

@@ -226,8 +226,12 @@ def find(context: Context, text: str) -> FilePath | None:
         return None
     file = context.files.at(text)
     if file is None:
+        package = text.removeprefix(SCHEME).partition("/")[0]
         if not text.startswith(SCHEME):
             context.problem(LaunchProblemKind.UNRESOLVED, f"`{text}` is not a file of a package", text)
+        elif context.files.share(package) is None:
+            message = f"the package `{package}` is neither in the build nor installed"
+            context.problem(LaunchProblemKind.UNKNOWN_PACKAGE, message, package)
         return None
     found = context.files.existing(text)
     if found is None:
