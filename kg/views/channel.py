@@ -58,8 +58,8 @@ def channel(
     * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
       `doubt` (when it has another name, part of `quality`), `instance` (None for code that no launch file starts
-      under this name), `package` and `node` (its type), `node_iri`, `plugins` (`package/node` of the plugins whose code it is), `systems` (names of launch files),
-      `possible` (its name is partly or wholly unknown, and may be this one; read for a side that has no other end),
+      under this name), `package` and `node` (its type), `node_iri`, `plugins` (`package/node` of the plugins with its
+      code), `systems` (names of launch files), `possible` (it may have this name, and is on a side without others),
       `condition`, `launched` and `evidence` (the line that starts it, that of the code), `calls` (as in the view
       `node`), `set_at` (what gave it the name), `mismatches` (messages of the findings about it);
     * `findings`: `code`, `severity`, `message`, `systems` of those that say that types or QoS do not fit.
