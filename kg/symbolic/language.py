@@ -70,6 +70,9 @@ class Language(Protocol):
     def reaches(self, function: Function) -> bool:
         """Check whether a run of a function can have an effect, as far as its code shows."""
 
+    def spares(self, function: Function, this: Value | None, arguments: list[Value]) -> bool:
+        """Check whether a call in a callback need not run; if so, make unknown what it changes."""
+
     # Values
 
     def default(self, kind: Type, frame: Frame, line: int) -> Value:

@@ -66,8 +66,7 @@ MOST_FRUITLESS: Final = 6
 MOST_BRIEF: Final = 4  # steps of a function that runs at each call whatever it returns, such as a getter
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
-MOST_IDLE: Final = 5_000
-"""How many steps a loop takes in turns that declare nothing; after that it ends."""
+MOST_IDLE: Final = 5_000  # steps of a loop in turns that declare nothing; after that it ends
 _MOST_SITES: Final = 12  # calls on the way to its registration that a callback keeps
 _PLAIN: Final = (Unknown, Number, Truth)  # values that are seldom part of a name
 _OUT: Final = ("return", "raise", "exit")
@@ -82,7 +81,7 @@ class Machine:
     most_turns = 64
     most_repeats = 2
     counts_endless = False  # whether loops whose condition always holds run turn by turn
-    notes_conditions = True  # whether guards have conditions that no parameter decides; not if each holds some day
+    notes_conditions = True  # whether guards have conditions that no parameter decides; not in callbacks
 
     def __init__(self, language: Language, framework: Framework) -> None:
         self.language = language
@@ -662,7 +661,8 @@ class Machine:
         handed = any(isinstance(one, (Closure, Bound)) for one in arguments) if fruitless else True
         # Most code declares nothing. Run at each call, it would take most of the time of an extraction.
         settled = fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN
-        if settled or not (handed or self.language.reaches(function)):
+        settled = settled or not (handed or self.language.reaches(function))
+        if settled or (caller and not self.notes_conditions and self.language.spares(function, frame.this, arguments)):
             if caller is not None:
                 binding.leave_open(self, zip(function.parameters, given, arguments, strict=False), caller)
             return self.language.unknown(function.returns, frame, function.name)

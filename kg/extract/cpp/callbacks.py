@@ -6,7 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp.kinds import frame_of, this_of
-from kg.symbolic.state import Frame, decides
+from kg.extract.cpp.library import TEXTS
+from kg.symbolic.form import Type
+from kg.symbolic.state import Frame, Holder, decides
 from kg.symbolic.values import (
     PLACEHOLDER,
     Bound,
@@ -36,8 +38,15 @@ _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, Ty
 """Values that are not functions, nor objects with methods."""
 _HELPERS: Final = frozenset({"std", "boost"})
 """Namespaces whose base classes add something to a class, and call nothing of it."""
+_OPEN: Final = TEXTS | {"auto", "char", "function"}
+"""Types whose values can be names, or functions with effects."""
 _MOST_PARTS: Final = 64
 """How many objects that belong to one are looked through for what a callback changes."""
+
+
+def _holds_text(kind: Type) -> bool:
+    """Check whether values of a type are texts, or contain some."""
+    return kind.name in TEXTS or any(isinstance(one, Type) and _holds_text(one) for one in kind.arguments)
 
 
 def closure_frame(called: Closure) -> Frame:
@@ -98,6 +107,8 @@ class Callbacks:
 
     def __init__(self, language: Cpp) -> None:
         self._language = language
+        self.changed: set[str] = set()
+        """Names that callbacks change which were not run."""
 
     def escape(self, values: Iterable[Value]) -> None:
         """Schedule the functions among some values that are handed to code outside of the sources."""
@@ -162,17 +173,64 @@ class Callbacks:
             configures = always or (called.name, id(called.of)) in machine.framework.called_later
         machine.schedule(key, partial(self._run, called, always=always), notes_conditions=configures)
 
+    def spares(self, function: Function, this: Value | None, arguments: list[Value]) -> bool:
+        """Check whether a call in a callback is not needed: it has no effect, and gives and stores no name.
+
+        It is not run then, and what it changes becomes unknown.
+        """
+        handed = any(isinstance(one, Closure | Bound) for one in arguments)
+        if handed or not self._gives_data(function) or self._has_effect(function, this):
+            return False
+        changed = self._language.linker.project.reach.changes(function)
+        objects = [one for one in (this, *arguments) if isinstance(one, Object)] if changed else []
+        if any(self._stores_text(one, changed) for one in objects):
+            return False
+        self._forget(changed, objects)
+        return True
+
+    def _gives_data(self, function: Function) -> bool:
+        """Check whether what a function returns or fills is of no use for names and effects: numbers, messages."""
+        if function.returns is None or function.template:
+            return False
+        types = [one.type for one in function.parameters if one.type is not None]
+        if any(_holds_text(one) for one in types if (one.reference or one.pointer) and not one.constant):
+            return False
+        result = self._language.kinds.kind(function.returns, frame_of(function))
+        return isinstance(result, Kind) and self._is_data(result)
+
+    def _is_data(self, kind: Kind) -> bool:
+        constructs = self._language.machine.framework.constructs
+        if kind.cls is not None or kind.name in _OPEN or constructs(kind):
+            return False
+        return all(self._is_data(one.kind) for one in kind.arguments if isinstance(one, TypeValue))
+
+    def _stores_text(self, of: Object, changed: frozenset[str]) -> bool:
+        """Check whether one of some fields of an object holds texts."""
+        chain = self._language.chain(of.kind)[0]
+        types = [cls.fields[name].type for cls, _ in chain for name in changed & cls.fields.keys()]
+        return any(one is not None and _holds_text(one) for one in types)
+
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""
-        reach = self._language.linker.project.reach
-        if reach.reaches(function) or (isinstance(this, Object) and self._runs_callable(function, this)):
+        if self._has_effect(function, this):
             return False
-        changed = reach.changes(function)
-        for of in _parts(this) if isinstance(this, Object) and changed else ():
-            for name in changed & of.fields.keys():
-                if decides(of.fields[name]):
-                    self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
+        self._forget(self._language.linker.project.reach.changes(function), [this] if isinstance(this, Object) else [])
         return True
+
+    def _has_effect(self, function: Function, this: Value | None) -> bool:
+        reaches = self._language.linker.project.reach.reaches(function)
+        return reaches or (isinstance(this, Object) and self._runs_callable(function, this))
+
+    def _forget(self, changed: frozenset[str], objects: Iterable[Object]) -> None:
+        """Make unknown what code that is not run changes and that decides conditions: fields, and global variables."""
+        machine = self._language.machine
+        self.changed.update(changed)
+        holders: list[Holder] = [part.fields for one in objects for part in _parts(one)] if changed else []
+        holders += machine.globals.values()
+        for variables in holders:
+            for name in changed & variables.keys():
+                if decides(variables[name]):
+                    machine.write(variables, name, Unknown("a callback changes it"))
 
     def _runs_callable(self, function: Function, this: Object) -> bool:
         """Check whether a callback can call a function that its object holds, and that reaches an effect."""

@@ -44,6 +44,9 @@ _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
 _SINGLE: Final = ("instance", "getinstance")
+_SPINS: Final = ("ros", "rclcpp")
+_SPINNING: Final = frozenset({"spin", "spinOnce", "spin_some", "spin_once", "spin_all", "spin_until_future_complete"})
+"""What runs callbacks, as functions of a framework or methods of its classes."""
 _SUPPORT: Final = re.compile(r"ROSIDL_GET_(MSG|SRV|ACTION)_TYPE_SUPPORT")
 """Macros of rosidl whose arguments are the parts of a type's name."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
@@ -233,6 +236,8 @@ class Calls:
             matching = [one for one in defined if fits(one, len(given.values))]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
+        if last in _SPINNING and names[0] in _SPINS:
+            language.machine.drain()
         result = language.machine.framework.call_function(names, given)
         if result is None:
             result = library.call(language, names, given)
@@ -330,6 +335,8 @@ class Calls:
     def _of_object(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""
         language = self._language
+        if name in _SPINNING and of.kind.cls is None and of.kind.names[0] in _SPINS:
+            language.machine.drain()
         fitting = self._fitting(of.kind, name, given)
         if fitting and of.created:
             return self._on(of, fitting, given)

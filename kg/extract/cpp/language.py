@@ -20,7 +20,7 @@ from kg.extract.cpp.specialising import UNKNOWN
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.spelling import spelled
-from kg.symbolic.state import Alias, Frame
+from kg.symbolic.state import Alias, Frame, decides
 from kg.symbolic.values import (
     OUTSIDE,
     PLACEHOLDER,
@@ -88,8 +88,9 @@ class Cpp:
         self.construct = self._constructions.construct
         self.initialise = self._constructions.initialise
         self.default = self._constructions.default
-        callbacks = Callbacks(self)
+        callbacks = self._callbacks = Callbacks(self)
         self.escape, self.enter, self.hand_over = callbacks.escape, callbacks.enter, callbacks.hand_over
+        self.spares = callbacks.spares
         self.elements = elements
         self.with_element = with_element
         self.counted = counted
@@ -172,6 +173,8 @@ class Cpp:
             value = frame.variables.get(statement.name, Unknown("it has no value"))
             zero = library.zero(self.kinds.kind_of(statement.type, frame)) if statement.value is None else None
             holder[name] = value if zero is None or statement.name in unit.external else zero
+            if name in self._callbacks.changed and decides(holder[name]):
+                holder[name] = Unknown("a callback changes it")
         slot = holder[name]
         return library.as_constant(slot) if not isinstance(slot, Alias) else self.machine.value(slot.target, slot.frame)
 

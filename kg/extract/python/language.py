@@ -226,6 +226,10 @@ class Python:
         """Check whether a run of a function can have an effect, as far as its code shows."""
         return True
 
+    def spares(self, function: Function, this: Value | None, arguments: list[Value]) -> bool:  # noqa: ARG002 - the same
+        """Check whether a call in a callback need not run."""
+        return False
+
     def static_fields(self, of: Value) -> dict[str, Value] | None:
         """Return the variables of a class; None for other values."""
         cls = of.kind.cls if isinstance(of, TypeValue) else None
