@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp.kinds import frame_of, this_of
 from kg.extract.cpp.library import TEXTS
 from kg.symbolic.form import Type
+from kg.symbolic.operators import NULL
 from kg.symbolic.state import Frame, Holder, decides
 from kg.symbolic.values import (
     PLACEHOLDER,
@@ -38,6 +40,7 @@ _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, Ty
 """Values that are not functions, nor objects with methods."""
 _HELPERS: Final = frozenset({"std", "boost"})
 """Namespaces whose base classes add something to a class, and call nothing of it."""
+_SET: Final = Unknown("a method of the object may have set it")
 _OPEN: Final = TEXTS | {"auto", "char", "function"}
 """Types whose values can be names, or functions with effects."""
 _MOST_PARTS: Final = 64
@@ -232,6 +235,34 @@ class Callbacks:
                 if decides(variables[name]):
                     machine.write(variables, name, Unknown("a callback changes it"))
 
+    @contextmanager
+    def _others_ran(self, callback: Function, of: Value | None) -> Iterator[None]:
+        """Run a callback as if other methods of its object, which it does not call itself, may have run before.
+
+        The flags and null pointers that they set are unknown until it ends: they decide whether it goes on.
+        """
+        machine, linker = self._language.machine, self._language.linker
+        if machine.notes_conditions or not isinstance(of, Object):
+            yield
+            return
+        called = linker.project.words(callback) or frozenset()
+        others = [
+            function
+            for cls, _ in self._language.chain(of.kind)[0]
+            for name, functions in linker.methods(cls).items()
+            for function in functions
+            if name.lstrip("~") != cls.name and name not in called and (id(function), id(of)) not in machine.executed
+        ]
+        changed = frozenset[str]().union(*map(linker.project.assigned, others))
+        before = {name: of.fields[name] for name in changed & of.fields.keys()}
+        before = {name: value for name, value in before.items() if isinstance(value, Truth) or value == NULL}
+        for name in before:
+            machine.write(of.fields, name, _SET)
+        yield
+        for name, value in before.items():
+            if of.fields[name] is _SET:
+                machine.write(of.fields, name, value)
+
     def _runs_callable(self, function: Function, this: Object) -> bool:
         """Check whether a callback can call a function that its object holds, and that reaches an effect."""
         reach = self._language.linker.project.reach
@@ -253,7 +284,8 @@ class Callbacks:
             if self._is_idle(called.function, this_of(frame)):
                 return
             parameters = called.function.parameters[len(called.bound) :]
-            machine.invoke(called.function, frame, [*called.bound, *self._unknown(parameters, frame)])
+            with self._others_ran(called.function, this_of(frame)):
+                machine.invoke(called.function, frame, [*called.bound, *self._unknown(parameters, frame)])
             return
         bound_values = {index: value for index, value in enumerate(called.given) if value != PLACEHOLDER}
         if isinstance(called.of, Object):
@@ -267,7 +299,8 @@ class Callbacks:
                     continue
                 types = {**bound, **dict(zip(function.template, called.template, strict=False))}
                 frame = frame_of(function, types, called.of)
-                machine.invoke(function, frame, self._unknown(function.parameters, frame, handles | bound_values))
+                with self._others_ran(function, called.of):
+                    machine.invoke(function, frame, self._unknown(function.parameters, frame, handles | bound_values))
         else:
             for function in called.functions[:1]:
                 if self._is_idle(function, None):
