@@ -260,9 +260,8 @@ class Journal:
     def write(self, holder: Holder, name: str, value: Slot) -> None:
         """Set a variable or a field."""
         slots = cast("Variables", holder)  # dict is invariant, but fields receive values only
-        if self._entries is not None:
-            before = _MISSING if id(slots) in self._created else slots.get(name, _MISSING)
-            self._entries.append((slots, name, before))
+        if self._entries is not None and id(slots) not in self._created:  # what a side created is as it left it
+            self._entries.append((slots, name, slots.get(name, _MISSING)))
         slots[name] = value
 
     def ahead(self, run: Callable[[], _Result]) -> _Result:

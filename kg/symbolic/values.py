@@ -472,6 +472,8 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     if united is not None:
         return united
     if len(items) > MOST_ALTERNATIVES:
+        items = _one_of_each_place(items)
+    if len(items) > MOST_ALTERNATIVES:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
     if len(items) == 1:
         return items[0]
@@ -479,6 +481,12 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
         return Either(tuple(items))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
+
+
+def _one_of_each_place(items: list[Value]) -> list[Value]:
+    """Return the first of the objects that each line creates, such as one in a loop, and the other values."""
+    places = [(one.kind, one.path, one.line) if isinstance(one, Object) and one.line else id(one) for one in items]
+    return list(dict(zip(reversed(places), reversed(items), strict=True)).values())[::-1]
 
 
 def _is_plain(value: Value) -> bool:
@@ -515,11 +523,16 @@ _MOST_UNITED: Final = 32
 def _united(values: list[Value]) -> Value | None:
     """Return a container with the elements of all of some that grew differently; unknown if they have many elements.
 
-    None if not all are lists or maps. Those of one length are rows, such as pairs, which stay apart.
+    None if not all are lists or maps. Those of one length are rows, such as pairs, which stay apart unless they are too
+    many and have objects only.
     """
     containers = [one for one in values if isinstance(one, Sequence | Mapping) and one.parameter is None]
     kinds, lengths = {type(one) for one in containers}, {len(one.items) for one in containers}
-    if len(containers) < len(values) or len(kinds) > 1 or len(lengths) == 1:
+    if len(containers) < len(values) or len(kinds) > 1:
+        return None
+    if len(lengths) == 1 and not (
+        len(values) > MOST_ALTERNATIVES and all(type(item) is Object for one in containers for item in one.items)
+    ):
         return None
     longest = max(containers, key=lambda one: len(one.items))
     if len(longest.items) > _MOST_UNITED:
