@@ -246,6 +246,11 @@ class Block:
 
 
 @dataclass(slots=True, eq=False)
+class Case(Block):
+    """Statements of a `switch`, which a `break` in them ends."""
+
+
+@dataclass(slots=True, eq=False)
 class Branch:
     """Alternatives of which one runs: the first whose condition holds. A condition of None always holds."""
 

@@ -61,11 +61,9 @@ if TYPE_CHECKING:
     from kg.symbolic.language import Language
 
 DEEPEST: Final = 70
-MOST_FRUITLESS: Final = 6
-"""How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
+MOST_FRUITLESS: Final = 6  # runs of a function that never declares anything, and returns and writes `_PLAIN` values
 MOST_BRIEF: Final = 4  # steps of a function that runs at each call whatever it returns, such as a getter
-MOST_BARREN: Final = 3_000
-"""How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
+MOST_BARREN: Final = 3_000  # steps of a function in all its runs that declare nothing; then it does not run again
 MOST_IDLE: Final = 5_000  # steps of a loop in turns that declare nothing; after that it ends
 _MOST_SITES: Final = 12  # calls on the way to its registration that a callback keeps
 _PLAIN: Final = (Unknown, Number, Truth)  # values that are seldom part of a name
@@ -106,13 +104,13 @@ class Machine:
         self._journal = Journal(self._joined)
         self._local: Variables = {}
         """The variables of the function that runs."""
-        self._outer_writes = 0
-        """How many writes to other variables and to fields have a value that can be part of a name."""
+        self._outer_writes = 0  # writes to other variables and to fields of a value that can be part of a name
         self._counted = 0  # how many have a number
         self._left: list[tuple[str, Written, tuple[str, ...]]] = []
         """The writes of sides of branches that left the turn or function that runs: how, what, and on what terms."""
         self._statements: dict[type, Callable[[Any, Frame], str | None]] = {
             form.Block: self._block,
+            form.Case: self._case,
             form.Step: self._step,
             form.Declare: self._declare,
             form.Branch: self._branch,
@@ -132,7 +130,7 @@ class Machine:
             form.Binary: self._binary,
             form.Choice: self._choice,
             form.Index: self._index,
-            form.Display: self._display,
+            form.Display: lambda expression, frame: Sequence(tuple(self.arguments(expression.items, frame))),
             form.Pairs: self._pairs,
             form.Lambda: lambda expression, frame: Closure(expression.function, frame),
             form.Assign: self._assignment,
@@ -348,16 +346,21 @@ class Machine:
         if here:
             self.merge([{}, *(side for _, side, _ in here)], [(), *(terms for _, _, terms in here)])
 
-    def _turn(self, loop: form.Loop, frame: Frame) -> str | None:
-        """Run the body of a loop once."""
+    def _part(self, run: Callable[[], str | None], *ends: str) -> str | None:
+        """Run a turn of a loop or a case of a `switch`; sides of branches that leave it by `ends` go on after it."""
         outer, self._left = self._left, []
-        try:
-            ended = self.run(loop.body, frame)
-        finally:
-            left, self._left = self._left, outer
+        ended = run()
+        left, self._left = self._left, outer
         if left:
-            self._rejoin(left, ("break", "continue"))
+            self._rejoin(left, ends)
         return ended
+
+    def _turn(self, loop: form.Loop, frame: Frame) -> str | None:
+        return self._part(partial(self.run, loop.body, frame), "break", "continue")
+
+    def _case(self, case: form.Case, frame: Frame) -> str | None:
+        ended = self._part(partial(self._block, case, frame), "break")
+        return None if ended == "break" else ended
 
     def _try(self, statement: form.Try, frame: Frame) -> str | None:
         """Run a block, then each of its handlers as one side of a branch."""
@@ -585,9 +588,6 @@ class Machine:
     def _index(self, expression: form.Index, frame: Frame) -> Value:
         of, key = self.value(expression.of, frame), self.value(expression.key, frame)
         return self.over((of, key), self.language.element)
-
-    def _display(self, expression: form.Display, frame: Frame) -> Value:
-        return Sequence(tuple(self.arguments(expression.items, frame)))
 
     def _pairs(self, expression: form.Pairs, frame: Frame) -> Value:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))

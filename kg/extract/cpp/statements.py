@@ -18,6 +18,7 @@ from kg.symbolic.form import (
     Block,
     Branch,
     Call,
+    Case,
     Construct,
     Declare,
     Display,
@@ -295,10 +296,9 @@ class Statements:
             if test is not None and waiting:
                 test = Binary(line_of(case), "||", (*waiting, test))
             waiting = []
-            done = tuple(s for s in statements if not (isinstance(s, Jump) and s.kind == "break"))
             if not _leaves(statements):
                 through.append(len(arms))
-            arms.append((test, Block(line_of(case), done)))
+            arms.append((test, Case(line_of(case), tuple(statements))))
         if any(index < len(arms) - 1 for index in through):
             return _in_turn(arms, through)
         arms.sort(key=lambda arm: arm[0] is None)
