@@ -95,15 +95,12 @@ class Machine:
         self.barren: Counter[int] = Counter()
         self.fruitful: set[int] = set()
         """The functions that declared something in a run, by identity. With other arguments they may do so again."""
-        self.executed: set[tuple[int, int]] = set()
-        """The functions that have run, and the object of each, by identity."""
+        self.executed: set[tuple[int, int]] = set()  # functions that have run, and the object of each, by identity
         self.steps = 0
-        self.counting = False
-        """Whether the condition of a loop is evaluated: it counts the default of a list, other tests leave it open."""
+        self.counting = False  # whether the condition of a loop is evaluated: only that counts the default of a list
         self.globals: dict[object, Variables] = {}
         self._journal = Journal(self._joined)
-        self._local: Variables = {}
-        """The variables of the function that runs."""
+        self._local: Variables = {}  # those of the function that runs
         self._outer_writes = 0  # writes to other variables and to fields of a value that can be part of a name
         self._counted = 0  # how many have a number
         self._left: list[tuple[str, Written, tuple[str, ...]]] = []
@@ -130,7 +127,7 @@ class Machine:
             form.Binary: self._binary,
             form.Choice: self._choice,
             form.Index: self._index,
-            form.Display: lambda expression, frame: Sequence(tuple(self.arguments(expression.items, frame))),
+            form.Display: self._display,
             form.Pairs: self._pairs,
             form.Lambda: lambda expression, frame: Closure(expression.function, frame),
             form.Assign: self._assignment,
@@ -588,6 +585,9 @@ class Machine:
     def _index(self, expression: form.Index, frame: Frame) -> Value:
         of, key = self.value(expression.of, frame), self.value(expression.key, frame)
         return self.over((of, key), self.language.element)
+
+    def _display(self, expression: form.Display, frame: Frame) -> Value:
+        return Sequence(tuple(self.arguments(expression.items, frame)))
 
     def _pairs(self, expression: form.Pairs, frame: Frame) -> Value:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))

@@ -35,7 +35,7 @@ from kg.symbolic.machine import Machine
 from kg.symbolic.names import EMPTY, NODE_NAME, below
 from kg.symbolic.state import Arguments, Frame, Site, deep_recursion
 from kg.symbolic.trees import FACTORY, Registered
-from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
+from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -431,12 +431,16 @@ class _Nodes:
         return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
     def _aliased(self, language: Cpp, name: str) -> Kind | None:
-        """Return the class of the package that `name` is another name of, or an instance of a template."""
+        """Return what `name` is another name of: a class of the package, or a template for one or of the package."""
         for unit in tuple(language.linker.units.values()):
             kind = language.kind(unit.written(name), Frame(unit, ()))
-            if isinstance(kind, Kind) and kind.cls is not None and self._project.is_own(kind.cls.unit.key):
+            if isinstance(kind, Kind) and kind.cls is not None and self._is_own(kind):
                 return kind
         return None
+
+    def _is_own(self, kind: Kind) -> bool:
+        inner = [one.kind for one in kind.arguments if isinstance(one, TypeValue)]
+        return (kind.cls is not None and self._project.is_own(kind.cls.unit.key)) or any(map(self._is_own, inner))
 
     def _loaded(self, framework: Framework) -> tuple[list[Interface], list[Parameter]]:
         """Return the facts of the nodelets that a program loads into itself, with the names that it gives them."""
