@@ -350,7 +350,7 @@ class Calls:
         if not fitting and name in of.fields:
             return self._call_member(of.fields[name], given)
         if fitting:
-            chosen, bound = self.overload(fitting, given.values)
+            chosen, bound = self.overload(fitting, given.values, given)
             if language.reaches(chosen):  # an object that others made, and that makes something for this node
                 return self._on(of, fitting, given)
             self._leave(given, name)
@@ -392,24 +392,33 @@ class Calls:
 
     def _invoke(self, overloads: list[Overload], given: Arguments, this: Object | None = None) -> Value:
         """Run the best overload of a function."""
-        chosen, bound = self.overload(overloads, given.values)
+        chosen, bound = self.overload(overloads, given.values, given)
         frame = frame_of(chosen, bound, None if chosen.static else this)
         frame.types.update(zip(chosen.template, given.template, strict=False))
         self._kinds.bind_template(chosen, frame, given.values, given.written, given.frame)
         return self._language.machine.invoke(chosen, frame, given.values, given.written, given.frame)
 
-    def overload(self, found: list[Overload], values: list[Value]) -> Overload:
-        """Return the overload whose parameters suit some arguments best."""
-        return found[0] if len(found) == 1 else max(found, key=lambda one: self._likeness(one[0], one[1], values))
+    def overload(self, found: list[Overload], values: list[Value], given: Arguments | None = None) -> Overload:
+        """Return the overload whose parameters suit some arguments best, by their values and their declared types."""
+        if len(found) == 1:
+            return found[0]
+        kinds: list[Kind | None] = [None] * len(values)
+        if given is not None and given.frame is not None and len(given.written) == len(values):
+            kinds = [self._kinds.type_of(one, given.frame) for one in given.written]
+        return max(found, key=lambda one: self._likeness(one[0], one[1], values, kinds))
 
-    def _likeness(self, function: Function, bound: dict[str, Value], values: list[Value]) -> float:
+    def _likeness(
+        self, function: Function, bound: dict[str, Value], values: list[Value], kinds: list[Kind | None]
+    ) -> float:
         frame = frame_of(function, bound)
         score = 0.0
-        for parameter, argument in zip(function.parameters, values, strict=False):
+        for parameter, argument, kind in zip(function.parameters, values, kinds, strict=False):
             if parameter.variadic:
                 score -= 0.5
                 break
             score += library.likeness(self._language, parameter.type, argument, frame, function.template)
+            if kind is not None and kind == self._kinds.kind_of(parameter.type, frame):
+                score += 0.5
         return score - 0.01 * abs(len(function.parameters) - len(values))
 
 
