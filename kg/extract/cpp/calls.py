@@ -44,6 +44,8 @@ _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
 _SINGLE: Final = ("instance", "getinstance")
+_MAKING: Final = ("create", "make")
+"""How the names of factories begin."""
 _SPINS: Final = ("ros", "rclcpp")
 _SPINNING: Final = frozenset({"spin", "spinOnce", "spin_some", "spin_once", "spin_all", "spin_until_future_complete"})
 """What runs callbacks, as functions of a framework or methods of its classes."""
@@ -253,6 +255,9 @@ class Calls:
             or (not given.values and (kind.names != names or self._is_generated(names, frame)))
         ):
             return language.construct(kind, given.values, frame, given.line)
+        made = self._made(last, given, frame)
+        if made is not None:
+            return made
         self._leave(given, last)
         language.hand_node(names, given.values)
         language.hand_parameters(names, given.values)
@@ -260,6 +265,13 @@ class Calls:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
         return outside(last, given.values)
+
+    def _made(self, name: str, given: Arguments, frame: Frame) -> Value | None:
+        """Return the object of the class that a factory outside of the sources makes: `createModule<Arm>(broker)`."""
+        first = given.template[0] if given.template and name.startswith(_MAKING) else None
+        if not isinstance(first, TypeValue) or first.kind.cls is None:
+            return None
+        return self._language.construct(first.kind, given.values, frame, given.line)
 
     def _is_generated(self, names: tuple[str, ...], frame: Frame) -> bool:
         """Return whether a name is a class that the build generates of a message or service."""
