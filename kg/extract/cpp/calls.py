@@ -44,6 +44,9 @@ _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
 _SINGLE: Final = ("instance", "getinstance")
+_CONNECTING: Final = ("setupUi", "connectSlotsByName")
+"""Functions of Qt that connect the slots of the object that they get."""
+_SLOT: Final = re.compile(r"on_\w+_[a-z]\w*")
 _MAKING: Final = ("create", "make")
 """How the names of factories begin."""
 _SPINS: Final = ("ros", "rclcpp")
@@ -298,6 +301,8 @@ class Calls:
         """
         self._language.escape(given.values)
         self._language.hand_over(given.values)
+        if function in _CONNECTING:
+            self._language.escape([Bound(name, of) for of in given.values for name in self._slots(of)])
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):
@@ -308,6 +313,11 @@ class Calls:
                 put(self._language.machine, written, replace(value, open=True), given.frame)
             elif isinstance(written, form.Name | form.Member) and is_empty_text(value):
                 put(self._language.machine, written, replace(value, unsure=True), given.frame)
+
+    def _slots(self, of: Value) -> list[str]:
+        """Return the methods of an object that Qt connects to signals by their names: `on_start_clicked`."""
+        chain = self._kinds.chain(of.kind)[0] if isinstance(of, Object) else []
+        return [name for cls, _ in chain for name in self._linker.methods(cls) if _SLOT.fullmatch(name)]
 
     # Methods
 
