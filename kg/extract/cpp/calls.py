@@ -44,6 +44,11 @@ _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
 _SINGLE: Final = ("instance", "getinstance")
+_CONNECTING: Final = ("setupUi", "connectSlotsByName")
+"""Functions of Qt that connect the slots of the object that they get."""
+_SLOT: Final = re.compile(r"on_\w+_[a-z]\w*")
+_MAKING: Final = ("create", "make")
+"""How the names of factories begin."""
 _SPINS: Final = ("ros", "rclcpp")
 _SPINNING: Final = frozenset({"spin", "spinOnce", "spin_some", "spin_once", "spin_all", "spin_until_future_complete"})
 """What runs callbacks, as functions of a framework or methods of its classes."""
@@ -253,6 +258,9 @@ class Calls:
             or (not given.values and (kind.names != names or self._is_generated(names, frame)))
         ):
             return language.construct(kind, given.values, frame, given.line)
+        made = self._made(last, given, frame)
+        if made is not None:
+            return made
         self._leave(given, last)
         language.hand_node(names, given.values)
         language.hand_parameters(names, given.values)
@@ -260,6 +268,13 @@ class Calls:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
         return outside(last, given.values)
+
+    def _made(self, name: str, given: Arguments, frame: Frame) -> Value | None:
+        """Return the object of the class that a factory outside of the sources makes: `createModule<Arm>(broker)`."""
+        first = given.template[0] if given.template and name.startswith(_MAKING) else None
+        if not isinstance(first, TypeValue) or first.kind.cls is None:
+            return None
+        return self._language.construct(first.kind, given.values, frame, given.line)
 
     def _is_generated(self, names: tuple[str, ...], frame: Frame) -> bool:
         """Return whether a name is a class that the build generates of a message or service."""
@@ -286,6 +301,8 @@ class Calls:
         """
         self._language.escape(given.values)
         self._language.hand_over(given.values)
+        if function in _CONNECTING:
+            self._language.escape([Bound(name, of) for of in given.values for name in self._slots(of)])
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):
@@ -296,6 +313,11 @@ class Calls:
                 put(self._language.machine, written, replace(value, open=True), given.frame)
             elif isinstance(written, form.Name | form.Member) and is_empty_text(value):
                 put(self._language.machine, written, replace(value, unsure=True), given.frame)
+
+    def _slots(self, of: Value) -> list[str]:
+        """Return the methods of an object that Qt connects to signals by their names: `on_start_clicked`."""
+        chain = self._kinds.chain(of.kind)[0] if isinstance(of, Object) else []
+        return [name for cls, _ in chain for name in self._linker.methods(cls) if _SLOT.fullmatch(name)]
 
     # Methods
 
@@ -350,7 +372,7 @@ class Calls:
         if not fitting and name in of.fields:
             return self._call_member(of.fields[name], given)
         if fitting:
-            chosen, bound = self.overload(fitting, given.values)
+            chosen, bound = self.overload(fitting, given.values, given)
             if language.reaches(chosen):  # an object that others made, and that makes something for this node
                 return self._on(of, fitting, given)
             self._leave(given, name)
@@ -392,24 +414,33 @@ class Calls:
 
     def _invoke(self, overloads: list[Overload], given: Arguments, this: Object | None = None) -> Value:
         """Run the best overload of a function."""
-        chosen, bound = self.overload(overloads, given.values)
+        chosen, bound = self.overload(overloads, given.values, given)
         frame = frame_of(chosen, bound, None if chosen.static else this)
         frame.types.update(zip(chosen.template, given.template, strict=False))
         self._kinds.bind_template(chosen, frame, given.values, given.written, given.frame)
         return self._language.machine.invoke(chosen, frame, given.values, given.written, given.frame)
 
-    def overload(self, found: list[Overload], values: list[Value]) -> Overload:
-        """Return the overload whose parameters suit some arguments best."""
-        return found[0] if len(found) == 1 else max(found, key=lambda one: self._likeness(one[0], one[1], values))
+    def overload(self, found: list[Overload], values: list[Value], given: Arguments | None = None) -> Overload:
+        """Return the overload whose parameters suit some arguments best, by their values and their declared types."""
+        if len(found) == 1:
+            return found[0]
+        kinds: list[Kind | None] = [None] * len(values)
+        if given is not None and given.frame is not None and len(given.written) == len(values):
+            kinds = [self._kinds.type_of(one, given.frame) for one in given.written]
+        return max(found, key=lambda one: self._likeness(one[0], one[1], values, kinds))
 
-    def _likeness(self, function: Function, bound: dict[str, Value], values: list[Value]) -> float:
+    def _likeness(
+        self, function: Function, bound: dict[str, Value], values: list[Value], kinds: list[Kind | None]
+    ) -> float:
         frame = frame_of(function, bound)
         score = 0.0
-        for parameter, argument in zip(function.parameters, values, strict=False):
+        for parameter, argument, kind in zip(function.parameters, values, kinds, strict=False):
             if parameter.variadic:
                 score -= 0.5
                 break
             score += library.likeness(self._language, parameter.type, argument, frame, function.template)
+            if kind is not None and kind == self._kinds.kind_of(parameter.type, frame):
+                score += 0.5
         return score - 0.01 * abs(len(function.parameters) - len(values))
 
 
