@@ -302,7 +302,7 @@ class Calls:
         self._language.escape(given.values)
         self._language.hand_over(given.values)
         if function in _CONNECTING:
-            self._language.escape([Bound(name, of) for of in given.values for name in self._slots(of)])
+            self._language.escape([slot for one in given.values for slot in self._slots(one)])
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):
@@ -314,10 +314,12 @@ class Calls:
             elif isinstance(written, form.Name | form.Member) and is_empty_text(value):
                 put(self._language.machine, written, replace(value, unsure=True), given.frame)
 
-    def _slots(self, of: Value) -> list[str]:
+    def _slots(self, of: Value) -> list[Bound]:
         """Return the methods of an object that Qt connects to signals by their names: `on_start_clicked`."""
-        chain = self._kinds.chain(of.kind)[0] if isinstance(of, Object) else []
-        return [name for cls, _ in chain for name in self._linker.methods(cls) if _SLOT.fullmatch(name)]
+        if not isinstance(of, Object):
+            return []
+        names = (name for cls, _ in self._kinds.chain(of.kind)[0] for name in self._linker.methods(cls))
+        return [Bound(name, of) for name in names if _SLOT.fullmatch(name)]
 
     # Methods
 
