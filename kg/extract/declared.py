@@ -176,20 +176,20 @@ def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
 
 
 def evidence(
-    stack: tuple[Site, ...], home: Home, name: str | None = None, passed: int = 0
+    stack: tuple[Site, ...], home: Home, name: str | None = None, passed: int | None = None
 ) -> tuple[Location, tuple[Location, ...]]:
     """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on.
 
-    With the `name` of a parameter: if a call gives that name as a text, the innermost one that does. A call in another
-    package has to give the whole name. Else the outermost one in the package among those innermost calls that have
-    the name as an argument, `passed` in number.
+    With a `name`: if a call in the package gives that name as a text, the innermost one that does. Of a parameter, the
+    call can be in another package, if it gives the whole name. Else it is the outermost one in the package among those
+    innermost calls that have the name as an argument, `passed` in number.
     """
     sites = [site for site in stack if site.line] or [stack[-1]]
     own = [home.is_own(site.unit.key) for site in sites]
     calls = range(len(sites) - 1, -1, -1)
-    named = (at for at in calls if name is not None and _gives(sites[at], name, part=own[at]))
-    start = next(named, None)
-    if start is None:
+    places = calls if passed is not None else [at for at in calls if own[at]]
+    start = next((at for at in places if name is not None and _gives(sites[at], name, part=own[at])), None)
+    if start is None and passed is not None:
         start = next((at for at in range(max(len(sites) - passed, 0), len(sites)) if own[at]), None)
     if start is None:
         start = next((at for at in calls if own[at]), -1)
@@ -247,7 +247,7 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
 
 def _interface(one: Declared, role: Role, home: Home, ros: int, alone: tuple[str, str]) -> Interface:
     name, resolution, parameter, reason = _named(one.name)
-    place, via = evidence(one.stack, home)
+    place, via = evidence(one.stack, home, name)
     return Interface(
         role=role,
         name=name,
