@@ -294,7 +294,8 @@ class Callbacks:
                 for function, bound in self._language.methods(called.of.kind, called.name)
             ]
             # Of several overloads, a framework calls the one that takes the handles that it passes.
-            for function, bound, handles in sorted(overloads, key=lambda one: not one[2])[:1]:
+            reaches = self._language.reaches
+            for function, bound, handles in sorted(overloads, key=lambda one: (not one[2], not reaches(one[0])))[:1]:
                 if not always and (self._is_called(function, called) or self._is_idle(function, called.of)):
                     continue
                 types = {**bound, **dict(zip(function.template, called.template, strict=False))}

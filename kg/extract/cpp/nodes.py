@@ -386,7 +386,8 @@ class _Nodes:
         machine.drain()
         described = bool(machine.framework.described(root.kind))
         names = _called_from_outside(language, root.kind, node=node, described=described)
-        listed = [(name, function) for name in names for function, _ in language.methods(root.kind, name)[:1]]
+        overloads = [(name, [function for function, _ in language.methods(root.kind, name)]) for name in names]
+        listed = [(name, max(functions, key=self._project.reach.reaches)) for name, functions in overloads if functions]
         getting = {name for name, function in listed if _gets_node(language, function)}
         for name in names if getting else ():
             for function, _ in language.methods(root.kind, name):  # also those that it overrides, which it may call
