@@ -52,6 +52,11 @@ def _holds_text(kind: Type) -> bool:
     return kind.name in TEXTS or any(isinstance(one, Type) and _holds_text(one) for one in kind.arguments)
 
 
+def _is_flag(value: object) -> bool:
+    """Check whether a value is a truth value, not that of a parameter, or a null pointer."""
+    return value == NULL or (isinstance(value, Truth) and value.parameter is None)
+
+
 def closure_frame(called: Closure) -> Frame:
     """Return a new frame for a lambda, within the variables around it."""
     outer = called.frame
@@ -245,17 +250,17 @@ class Callbacks:
         if machine.notes_conditions or not isinstance(of, Object):
             yield
             return
-        called = linker.project.words(callback) or frozenset()
+        called = linker.project.called(callback)
         others = [
             function
             for cls, _ in self._language.chain(of.kind)[0]
             for name, functions in linker.methods(cls).items()
             for function in functions
-            if name.lstrip("~") != cls.name and name not in called and (id(function), id(of)) not in machine.executed
+            if name.lstrip("~") != cls.name and name not in called
         ]
         changed = frozenset[str]().union(*map(linker.project.assigned, others))
         before = {name: of.fields[name] for name in changed & of.fields.keys()}
-        before = {name: value for name, value in before.items() if isinstance(value, Truth) or value == NULL}
+        before = {name: value for name, value in before.items() if _is_flag(value)}
         for name in before:
             machine.write(of.fields, name, _SET)
         yield

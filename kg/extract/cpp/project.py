@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 from kg.corpus.files import FilePath, PackageFolder, Place
 from kg.extract.constants import Constants
 from kg.extract.cpp.macros import DECLARING, Macro, Registrations
-from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
+from kg.extract.cpp.units import COMMENT, CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
 from kg.facts import FileKind
@@ -44,6 +44,7 @@ FRAMEWORKS: Final = frozenset(
     }
 )  # fmt: skip
 """Packages that the descriptions of calls cover; their headers are never read."""
+_CALLED: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 COVERED: Final = FRAMEWORKS | {"ros", "std", "boost", "auto"}
 """Namespaces of code outside of the sources that does nothing with a node that no description names."""
 
@@ -336,6 +337,11 @@ class Project:
         if isinstance(code, CppFunction):
             return code.assigned
         return assigned_in(cast("CppUnit", code.unit).code(code)) if isinstance(code, Function) else frozenset()
+
+    def called(self, code: Function) -> frozenset[str]:
+        """Return the names of what the code of a function calls, not those in its texts."""
+        text = code.code if isinstance(code, CppFunction) else cast("CppUnit", code.unit).code(code)
+        return frozenset(_CALLED.findall(COMMENT.sub(" ", text)))
 
     def definitions(self, words: frozenset[str]) -> Iterator[Function | Class]:
         """Yield the functions and classes of the programs that have one of some names.

@@ -51,7 +51,7 @@ def words_of(code: str) -> frozenset[str]:
 
 def _without_comments(code: str) -> str:
     """Return some code with a space for each comment."""
-    return _COMMENT.sub(lambda match: match[1] or " ", code) if "/" in code else code
+    return COMMENT.sub(lambda match: match[1] or " ", code) if "/" in code else code
 
 
 def assigned_in(code: str) -> frozenset[str]:
@@ -86,7 +86,7 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
-_COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
+COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//[^\n]*|/\*.*?\*/""", re.DOTALL)
 """A comment, or a literal that may look like one."""
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
 """A macro with such a text can be another name of a type, or, in front of `::`, of a namespace."""
