@@ -588,7 +588,7 @@ class Framework:
         if isinstance(name, Text) and name.unsure:
             name = Unknown(UNSURE)
         whole = with_node_name(below(namespace_of(owner), name), owner)
-        if is_empty_text(whole):
+        if is_empty_text(whole) or (is_empty_text(name) and isinstance(whole, Text) and whole.exact == "~"):
             return None  # the framework refuses an empty name
         given = call.argument(effect.qos)
         usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None

@@ -4,7 +4,11 @@
 class Sender
 {
 public:
-  Sender() { commands_ = handle_.subscribe("command", 1, &Sender::command, this); }
+  Sender() : private_("~")
+  {
+    commands_ = handle_.subscribe("command", 1, &Sender::command, this);
+    if (!topic_.empty() || ros::ok()) nothing_ = private_.subscribe(topic_, 1, &Sender::error, this);
+  }
 
 private:
   void command(const std_msgs::String::ConstPtr & message)
@@ -19,8 +23,9 @@ private:
 
   void error(const std_msgs::String::ConstPtr & message) {}
 
-  ros::NodeHandle handle_;
-  ros::Subscriber commands_, errors_;
+  std::string topic_ = "";
+  ros::NodeHandle handle_, private_;
+  ros::Subscriber commands_, errors_, nothing_;
   ros::Publisher results_;
 };
 
