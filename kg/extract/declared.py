@@ -180,19 +180,21 @@ def evidence(
 ) -> tuple[Location, tuple[Location, ...]]:
     """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on.
 
-    With a `name`: if a call in the package gives that name as a text, the innermost one that does. Of a parameter, the
-    call can be in another package, if it gives the whole name. Else it is the outermost one in the package among those
-    innermost calls that have the name as an argument, `passed` in number.
+    With a `name`: if that call is in a helper in another file, the innermost call in the package that gives the name as
+    a text. Of a parameter, it can be in the same file, and in another package if it gives the whole name; else it is
+    the outermost one in the package among those innermost calls that have the name as an argument, `passed` in number.
     """
     sites = [site for site in stack if site.line] or [stack[-1]]
     own = [home.is_own(site.unit.key) for site in sites]
     calls = range(len(sites) - 1, -1, -1)
-    places = calls if passed is not None else [at for at in calls if own[at]]
+    innermost = next((at for at in calls if own[at]), -1)
+    places = list(calls)
+    if passed is None:
+        places = [at for at in calls if own[at] and (at == innermost or sites[at].unit is not sites[innermost].unit)]
     start = next((at for at in places if name is not None and _gives(sites[at], name, part=own[at])), None)
     if start is None and passed is not None:
         start = next((at for at in range(max(len(sites) - passed, 0), len(sites)) if own[at]), None)
-    if start is None:
-        start = next((at for at in calls if own[at]), -1)
+    start = innermost if start is None else start
     first, *rest = (_place(site, home) for site in sites[start:])
     return first, tuple(dict.fromkeys(rest))
 
